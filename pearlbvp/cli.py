@@ -1,0 +1,244 @@
+"""The command line: parses arguments, calls studies, writes CSV and PNG. No mathematics.
+
+Everything that takes time to import is imported by the command that needs it, so that ``--help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import importlib
+import multiprocessing
+import os
+import sys
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pearlbvp._version import __version__
+from pearlbvp.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+DONE, SOME_FAILED, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
+
+_BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+
+
+class Numbers(click.ParamType):
+    """A list of numbers: ``15,30,45`` or ``start:stop:step``."""
+
+    name = "numbers"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
+        """Parse the text; a range contains both its ends."""
+        from pearlbvp.numbers import parse_numbers
+
+        return value if isinstance(value, list) else parse_numbers(_option(param), value)
+
+
+class Number(click.ParamType):
+    """One finite number."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Parse the text."""
+        from pearlbvp.helfrich import finite
+
+        return finite(_option(param), value)
+
+
+def _option(param: click.Parameter | None) -> str:
+    return param.opts[0] if param is not None else "argument"
+
+
+def _outputs(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options that all commands with a table share."""
+    for decorate in (
+        click.option("--radius", type=Number(), default=1.0, show_default=True, metavar="R",
+                     help="Radius of the straight tube, in the unit of all lengths given and written."),
+        click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw a picture."),
+        click.option("--out", type=click.Path(path_type=Path), metavar="FILE.csv",
+                     help="Write the table there instead of on standard output."),
+    ):  # fmt: skip
+        command = decorate(command)
+    return command
+
+
+def _call(module: str, name: str, arguments: tuple[Any, ...]) -> Any:
+    return getattr(importlib.import_module(module), name)(*arguments)
+
+
+def _computed_aside(module: str, name: str, *arguments: Any, figures: str | None) -> Any:
+    """The result of a study's function, from a second process, while this one loads pandas and matplotlib.
+
+    Loading compiled code and loading the libraries for tables and pictures take about a second each.
+    """
+    method = "fork" if "fork" in multiprocessing.get_all_start_methods() else None
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(method)) as pool:
+        future = pool.submit(_call, module, name, arguments)
+        importlib.import_module("pandas")
+        if figures is not None:
+            importlib.import_module(figures)
+        return future.result()
+
+
+def _check_outputs(out: Path | None, plot: Path | None) -> None:
+    from pearlbvp.files import writable
+
+    for name, path in (("--out", out), ("--plot", plot)):
+        if path is not None:
+            writable(name, path)
+
+
+def _write(table: pd.DataFrame, out: Path | None, plot: Path | None, draw: Callable[[], Figure]) -> int:
+    """Write table and picture; the exit status says whether some rows failed."""
+    from pearlbvp.files import write_whole
+
+    if out is None:
+        sys.stdout.write(table.to_csv(index=False, float_format="%.12g"))
+    else:
+        write_whole("--out", out, lambda path: table.to_csv(path, index=False, float_format="%.12g"))
+    if plot is not None:
+        from pearlbvp.figures.canvas import save_png
+
+        figure = draw()
+        write_whole("--plot", plot, lambda path: save_png(figure, path))
+    failed = 0
+    for column in ("status", "localized_status"):
+        if column in table:
+            failed = max(failed, int((table[column] == "failed").sum()))
+    if failed:
+        print(f"pearlbvp: {failed} of {len(table)} rows failed; the message column says why", file=sys.stderr)
+    return SOME_FAILED if failed else DONE
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, prog_name="pearlbvp")
+def cli() -> None:
+    """Bifurcations of Helfrich cylinders: membrane tubes of fixed area and volume.
+
+    Lengths are in radii of the straight tube, E is the energy by area, lambda1 the tension, lambda2 the
+    pressure difference. Lists of numbers: 15,30,45 or start:stop:step with both ends.
+    """
+
+
+@cli.command(epilog="Example:  pearlbvp dispersion --c0 0.48 --length 30")
+@click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
+@click.option("--length", type=Number(), required=True, metavar="L", help="Axial period of the tube.")
+@click.option("--max-m", type=int, help="Most waves along the tube.  [default: all pearls with k < 1 and two more]")
+@click.option("--max-n", type=int, default=4, show_default=True, help="Most waves around the tube.")
+@_outputs
+def dispersion(c0: float, length: float, max_m: int | None, max_n: int, out: Path | None, plot: Path | None, radius: float) -> int:  # fmt: skip
+    """Branch points of the straight tube, and which of them end its stable interval.
+
+    Columns: m, n (waves along and around), k, type, lambda2, lambda1, kernel (its dimension without
+    translations), role (lower or upper: the ends of the interval in which the tube is stable).
+    """
+    from pearlbvp.helfrich import Tube, in_units_of_radius
+    from pearlbvp.studies.dispersion import branch_points
+
+    _check_outputs(out, plot)
+    tube = Tube.from_dimensional(c0, length, radius)
+    table = branch_points(tube.c0, tube.length, max_m, max_n)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.dispersion import draw_dispersion
+
+        return draw_dispersion(table, tube.c0, tube.length)
+
+    return _write(in_units_of_radius(table, radius), out, plot, draw)
+
+
+@cli.command(epilog="Example:  pearlbvp localized --c0 0.48 --period 7.5 --lengths 15,30,45,60 --out t.csv --plot t.png")
+@click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
+@click.option("--period", type=Number(), required=True, metavar="P", help="Axial period of the pearls, above 2 pi.")
+@click.option("--lengths", type=Numbers(), required=True, help="Tube lengths, multiples of the period.")
+@click.option("--compare", type=click.Path(path_type=Path), metavar="FILE.csv",
+              help="Put this table's columns beside the rows that agree in c0, period and L; v_... is drawn too.")  # fmt: skip
+@_outputs
+def localized(c0: float, period: float, lengths: list[float], compare: Path | None, out: Path | None, plot: Path | None, radius: float) -> int:  # fmt: skip
+    """Where periodic pearls give way to one localized pearl, for many lengths at once.
+
+    Columns: c0, period, L, pearls, status, lambda1, lambda2, v, E, amplitude, message. Status is found,
+    unstable_at_onset, none_in_range, no_stable_cylinder or failed.
+    """
+    from pearlbvp.helfrich import Tube, in_units_of_radius
+
+    _check_outputs(out, plot)
+    tube = Tube.from_dimensional(c0, period, radius)
+    rows = _computed_aside(
+        "pearlbvp.studies.localized", "localized_rows", tube.c0, tube.length, [length / radius for length in lengths],
+        figures="pearlbvp.figures.localized" if plot else None,
+    )  # fmt: skip
+    import pandas as pd
+
+    table = in_units_of_radius(pd.DataFrame(rows), radius)
+    if compare is not None:
+        from pearlbvp.studies.reference import beside
+
+        table = beside(table, compare)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.localized import draw_localized
+
+        return draw_localized(table)
+
+    return _write(table, out, plot, draw)
+
+
+@cli.command(epilog="Example:  pearlbvp period --c0 0.48 --lengths 7.5:120:0.5 --out p.csv --plot p.png")
+@click.option("--c0", type=Numbers(), required=True, help="Spontaneous curvature, one or several.")
+@click.option("--lengths", type=Numbers(), required=True, help="Tube lengths.")
+@click.option("--processes", type=click.IntRange(min=1), help="How many to use.  [default: one a core]")
+@_outputs
+def period(c0: list[float], lengths: list[float], processes: int | None, out: Path | None, plot: Path | None, radius: float) -> int:  # fmt: skip
+    """The pearl period that appears on a tube, its stable range, and where a localized pearl takes over.
+
+    Columns: c0, L, pearls, period, k, status, lambda2_pearl and lambda2_upper (ends of the straight tube's
+    stable interval), upper_mode (m:n), v_localized, localized_status, message.
+    """
+    from pearlbvp.helfrich import Tube, in_units_of_radius
+    from pearlbvp.studies.period import pearl_periods
+
+    _check_outputs(out, plot)
+    scaled = [[Tube.from_dimensional(value, length, radius) for length in lengths] for value in c0]
+    table = pearl_periods([tubes[0].c0 for tubes in scaled], [tube.length for tube in scaled[0]], processes=processes)
+    table = in_units_of_radius(table, radius)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.period import draw_periods
+
+        return draw_periods(table)
+
+    status = _write(table, out, plot, draw)
+    return INTERRUPTED if len(table) < len(c0) * len(lengths) else status
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line and leave with its exit status: 0 done, 1 some rows failed, 2 unusable input."""
+    for name in _BLAS_THREADS:  # before numpy is loaded: our matrices are small, threads only slow them down
+        os.environ.setdefault(name, "1")
+    try:
+        status = cli.main(args=arguments, prog_name="pearlbvp", standalone_mode=False)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        status = UNUSABLE
+    except click.ClickException as error:
+        message = " ".join(error.format_message().split())
+        print(f"pearlbvp: {message} (see --help)", file=sys.stderr)
+        status = UNUSABLE
+    except InputError as error:
+        print(f"pearlbvp: {error}", file=sys.stderr)
+        status = UNUSABLE
+    except (click.Abort, KeyboardInterrupt):
+        print("pearlbvp: interrupted", file=sys.stderr)
+        status = INTERRUPTED
+    except BrokenPipeError:  # the reader of our standard output has had enough
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+        status = DONE
+    sys.exit(status or DONE)

@@ -1,0 +1,169 @@
+"""A boundary-value problem on a mesh: its residual and the bordered solve of its exact Jacobian.
+
+The unknown ``u`` holds the values at all points of the mesh, row by row, then the free parameters. With one free
+parameter more than conditions allow, ``residual(u) = 0`` is a curve: what ``continuation`` follows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from pearlbvp.collocation.elimination import LinearSystem, solve
+from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, local_values
+from pearlbvp.collocation.problem import BoundaryValueProblem
+from pearlbvp.collocation.scheme import Array, Scheme
+
+
+@dataclass(frozen=True)
+class Discretization:
+    """Gauss collocation of a problem on a mesh of ``N`` intervals.
+
+    Attributes:
+        problem: the boundary-value problem.
+        scheme: the collocation scheme (``m`` points an interval).
+        mesh: from 0 to 1, shape (N + 1,).
+        parameters: all ``k`` parameters; the entries of free ones serve as first guesses only.
+        free: names of the parameters that are unknowns.
+    """
+
+    problem: BoundaryValueProblem
+    scheme: Scheme
+    mesh: Array
+    parameters: Array
+    free: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        unknown = set(self.free) - set(self.problem.parameters)
+        if unknown:
+            raise ValueError(f"free: no parameter is called {sorted(unknown)}; there are {self.problem.parameters}")
+        if self.mesh[0] != 0 or self.mesh[-1] != 1 or not (np.diff(self.mesh) > 0).all():
+            raise ValueError("mesh: it must increase from 0 to 1")
+
+    @cached_property
+    def free_index(self) -> list[int]:
+        """Places of the free parameters among all parameters."""
+        return [self.problem.parameters.index(name) for name in self.free]
+
+    @cached_property
+    def h(self) -> Array:
+        """Lengths of the intervals, shape (N,)."""
+        return np.diff(self.mesh)
+
+    @cached_property
+    def gauss_points(self) -> Array:
+        """All collocation points, shape (N*m,)."""
+        points: Array = (self.mesh[:-1, None] + self.h[:, None] * self.scheme.nodes).ravel()
+        return points
+
+    @cached_property
+    def gauss_weights(self) -> Array:
+        """Quadrature weights of the collocation points on [0, 1], shape (N*m,)."""
+        weights: Array = (self.h[:, None] * self.scheme.weights).ravel()
+        return weights
+
+    @property
+    def n(self) -> int:
+        """Number of states."""
+        return len(self.problem.states)
+
+    @property
+    def size(self) -> int:
+        """Length of ``u``."""
+        return (len(self.h) * self.scheme.m + 1) * self.n + len(self.free)
+
+    def pack(self, values: Array, parameters: Array) -> Array:
+        """The unknown from values (N*m + 1, n) and all parameters (k,)."""
+        return np.concatenate((values.ravel(), parameters[self.free_index]))
+
+    def values(self, u: Array) -> Array:
+        """The values at all points, shape (N*m + 1, n)."""
+        return u[: u.size - len(self.free)].reshape(-1, self.n)
+
+    def all_parameters(self, u: Array) -> Array:
+        """All parameters, the free ones from ``u``, shape (k,)."""
+        parameters = self.parameters.copy()
+        parameters[self.free_index] = u[u.size - len(self.free) :]
+        return parameters
+
+    def polynomial(self, u: Array) -> PiecewisePolynomial:
+        """The states as a function on [0, 1]."""
+        return PiecewisePolynomial(self.mesh, self.values(u))
+
+    def at_gauss_points(self, u: Array) -> Array:
+        """The states at the collocation points, shape (N*m, n)."""
+        result: Array = self.scheme.values @ local_values(self.values(u), self.scheme.m)
+        return result.reshape(-1, self.n)
+
+    def residual(self, u: Array) -> Array:
+        """Defects ``y' - f`` at the collocation points, then boundary conditions, then integrals: one row.
+
+        All are linear in a small error of ``u``, and of its size.
+        """
+        p = self.all_parameters(u)
+        values = self.values(u)
+        y = self.at_gauss_points(u)
+        slopes = self.scheme.derivatives @ local_values(values, self.scheme.m) / self.h[:, None, None]
+        defects = slopes.reshape(-1, self.n) - self.problem.rhs(self.gauss_points, y, p)
+        return np.concatenate(
+            (
+                defects.ravel(),
+                self.problem.boundary(values[0], values[-1], p),
+                self.gauss_weights @ self.problem.integrand(self.gauss_points, y, p),
+            )
+        )
+
+    def inner(self, u: Array, v: Array) -> float:
+        """``integral of y_u . y_v dt + p_u . p_v``: independent of the mesh."""
+        k = len(self.free)
+        states = (self.at_gauss_points(u) * self.at_gauss_points(v)).sum(axis=1)
+        return float(self.gauss_weights @ states + u[u.size - k :] @ v[v.size - k :])
+
+    def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
+        """Solve with the residual's exact Jacobian at ``u``, bordered below by the row ``inner(row, .)``.
+
+        Args:
+            u: where the Jacobian is taken.
+            rhs: one or more right-hand sides in the order of ``residual`` (then the border's), shape (size,) or
+                (size, s).
+            row: the border; without it the problem must have as many conditions as unknowns.
+
+        Returns:
+            The solutions, in the shape of ``rhs``.
+
+        Raises:
+            numpy.linalg.LinAlgError: the bordered matrix is singular to working precision.
+        """
+        p, values, y = self.all_parameters(u), self.values(u), self.at_gauss_points(u)
+        t, free = self.gauss_points, self.free_index
+        by_y, by_p = self.problem.rhs_jacobian(t, y, p)
+        at_start, at_end, boundary_p = self.problem.boundary_jacobian(values[0], values[-1], p)
+        densities, integrals_p = self.problem.integrand_jacobian(t, y, p)
+        borders_p = np.einsum("g,gck->ck", self.gauss_weights, integrals_p)[:, free]
+        if row is not None:
+            densities = np.concatenate((densities, self.at_gauss_points(row)[:, None, :]), axis=1)
+            borders_p = np.vstack((borders_p, row[row.size - len(free) :]))
+        system = LinearSystem(
+            h=self.h,
+            jacobian=by_y,
+            parameter_jacobian=by_p[:, :, free],
+            boundary=(at_start, at_end, boundary_p[:, free]),
+            borders=densities,
+            borders_p=borders_p,
+        )
+        columns = rhs.reshape(self.size, -1)
+        points = len(t) * self.n
+        defects = np.ascontiguousarray(columns[:points]).reshape(len(t), self.n, -1)
+        solution, parameters = solve(self.scheme, system, defects, columns[points:])
+        sides = columns.shape[1]
+        return np.hstack((solution.reshape(sides, -1), parameters)).T.reshape(rhs.shape)
+
+    def on_mesh(self, mesh: Array, *unknowns: Array) -> tuple[Discretization, list[Array]]:
+        """The same problem on another mesh, with unknowns interpolated onto it."""
+        other = replace(self, mesh=mesh)
+        points = all_points(mesh, self.scheme)
+        k = len(self.free)
+        moved = [np.concatenate((self.polynomial(u)(points).ravel(), u[u.size - k :])) for u in unknowns]
+        return other, moved

@@ -1,0 +1,70 @@
+"""Continuous piecewise polynomials: the form in which collocation keeps a solution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pearlbvp.collocation.scheme import Array, Scheme, derivative_matrix, gauss_scheme, lagrange_matrix
+
+
+@dataclass(frozen=True)
+class PiecewisePolynomial:
+    """A continuous function on [mesh[0], mesh[-1]], a polynomial of degree ``m`` on each of ``N`` intervals.
+
+    Attributes:
+        mesh: the ends of the intervals, increasing, shape (N + 1,).
+        values: at the scheme's points of every interval, shape (N*m + 1, n).
+    """
+
+    mesh: Array
+    values: Array
+
+    @property
+    def scheme(self) -> Scheme:
+        """The collocation scheme whose degree the values have."""
+        return gauss_scheme((len(self.values) - 1) // (len(self.mesh) - 1))
+
+    @property
+    def points(self) -> Array:
+        """The points at which ``values`` stand, shape (N*m + 1,)."""
+        return all_points(self.mesh, self.scheme)
+
+    def local(self) -> Array:
+        """The values interval by interval, ends repeated, shape (N, m + 1, n)."""
+        return local_values(self.values, self.scheme.m)
+
+    def __call__(self, t: Array) -> Array:
+        """Values at ``t`` (shape (K,), inside the mesh): shape (K, n)."""
+        interval = np.clip(np.searchsorted(self.mesh, t, side="right") - 1, 0, len(self.mesh) - 2)
+        tau = (t - self.mesh[interval]) / np.diff(self.mesh)[interval]
+        basis = lagrange_matrix(self.scheme.points, tau)
+        result: Array = np.einsum("kj,kjn->kn", basis, self.local()[interval])
+        return result
+
+    def derivative(self) -> Array:
+        """Derivatives at the points of every interval, from inside it: shape (N, m + 1, n)."""
+        by_t = derivative_matrix(self.scheme.points) / np.diff(self.mesh)[:, None, None]
+        result: Array = by_t @ self.local()
+        return result
+
+    def highest_derivative(self) -> Array:
+        """The ``m``-th derivative, constant on each interval: shape (N, n)."""
+        h = np.diff(self.mesh)
+        result: Array = np.einsum("j,ijn->in", self.scheme.leading, self.local()) / h[:, None] ** self.scheme.m
+        return result
+
+
+def all_points(mesh: Array, scheme: Scheme) -> Array:
+    """The points of every interval in one row, shared ends once: shape (N*m + 1,)."""
+    inner = mesh[:-1, None] + np.diff(mesh)[:, None] * scheme.points[None, :-1]
+    return np.append(inner.ravel(), mesh[-1])
+
+
+def local_values(values: Array, m: int) -> Array:
+    """View values of shape (N*m + 1, n) interval by interval, shape (N, m + 1, n)."""
+    intervals = (len(values) - 1) // m
+    inner = values[:-1].reshape(intervals, m, -1)
+    ends = values[m::m].reshape(intervals, 1, -1)
+    return np.concatenate((inner, ends), axis=1)

@@ -1,0 +1,43 @@
+"""Compiled inner loops: one decorator for all of them, cached on disk, and one word to the user while they compile."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numba
+from numba.core import event
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def compiled(function: F) -> F:
+    """Compile ``function`` with numba at its first call and keep the machine code on disk for later processes.
+
+    Where neither the package's folder nor the user's cache can be written, the function is compiled in each process.
+    """
+    try:
+        dispatcher: F = numba.njit(cache=True, error_model="numpy")(function)
+    except RuntimeError:  # numba's "no locator available": there is nowhere to keep the cache
+        dispatcher = numba.njit(error_model="numpy")(function)
+    return dispatcher
+
+
+class _Announcement(event.Listener):  # type: ignore[misc]
+    """Says once a process, on standard error, that our loops are being compiled. Silent when they come from disk."""
+
+    def __init__(self) -> None:
+        self.said = False
+
+    def on_start(self, event: Any) -> None:
+        ours = event.data["dispatcher"].py_func.__module__.startswith("pearlbvp.")
+        if ours and not self.said:
+            self.said = True
+            print("pearlbvp: compiling its inner loops, once after installation (about 15 s) ...", file=sys.stderr)
+
+    def on_end(self, event: Any) -> None:
+        """Nothing to say."""
+
+
+event.register("numba:compile", _Announcement())

@@ -1,0 +1,170 @@
+"""Functions along a path as Chebyshev series: values, derivatives and crossings between the computed points.
+
+Solutions of ``residual(u) = 0`` form an analytic curve, so any smooth function of a solution is resolved to rounding by
+a few solutions at Chebyshev points. At a pitchfork the branch is even in its arclength ``s``, and ``s^2`` is the variable.
+Source: L. N. Trefethen, Approximation Theory and Approximation Practice (SIAM 2013), chapters 3, 8 and 18.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from pearlbvp.continuation.path import Point, correct
+from pearlbvp.continuation.problem import Array, Problem
+from pearlbvp.newton import NewtonOptions
+
+Function = Callable[[Problem, Array], Array]
+
+
+class Unresolved(ArithmeticError):
+    """A path's functions could not be resolved; the message says where and what to try."""
+
+
+@dataclass(frozen=True)
+class PathFunctions:
+    """Functions of the solutions along a path, one Chebyshev series a piece.
+
+    The coordinate ``x`` runs from 0 to the number of pieces; it has no meaning beyond its order.
+
+    Attributes:
+        coefficients: for each piece, shape (degree + 1, functions), in Chebyshev polynomials of ``2 (x - piece) - 1``.
+        error: largest size of the last coefficients, relative to one plus the function: what is not resolved.
+        solutions: number of solutions computed.
+    """
+
+    coefficients: tuple[NDArray[np.float64], ...]
+    error: float
+    solutions: int
+
+    def __call__(self, x: Array) -> Array:
+        """Values at ``x``, shape (K,): shape (K, functions)."""
+        x = np.atleast_1d(x)
+        piece = np.clip(x.astype(int), 0, len(self.coefficients) - 1)
+        values = np.empty((len(x), self.coefficients[0].shape[1]))
+        for i, c in enumerate(self.coefficients):
+            here = piece == i
+            values[here] = chebyshev.chebval(2 * (x[here] - i) - 1, c).T
+        return values
+
+    def crossings(self, function: int, level: float = 0.0, derivative: int = 0) -> Array:
+        """All ``x``, increasing, at which a function (or a derivative of it by ``x``) takes the value ``level``."""
+        found: list[float] = []
+        for i, c in enumerate(self.coefficients):
+            series = chebyshev.chebder(c[:, function], derivative, scl=2.0) if derivative else c[:, function].copy()
+            series[0] -= level
+            significant = np.flatnonzero(np.abs(series) > 1e-15 * np.abs(series).max(initial=0.0))
+            if significant.size == 0 or significant[-1] == 0:
+                continue
+            roots = chebyshev.chebroots(series[: significant[-1] + 1])
+            real = roots.real[(np.abs(roots.imag) < 1e-8) & (np.abs(roots.real) <= 1 + 1e-12)]
+            found.extend(i + (np.clip(np.sort(real), -1, 1) + 1) / 2)
+        return np.asarray(found)
+
+
+@lru_cache(maxsize=None)
+def _to_coefficients(degree: int) -> Array:
+    """Matrix from values at the points ``cos(pi j / degree)``, ``j = degree .. 0``, to Chebyshev coefficients."""
+    j = np.arange(degree + 1)
+    matrix = np.cos(np.pi * np.outer(j, degree - j) / degree) * (2 / degree)
+    matrix[:, [0, -1]] /= 2
+    matrix[[0, -1]] /= 2
+    return matrix
+
+
+def _interpolate(at: float, known: dict[float, Array]) -> Array:
+    """A guess at arclength ``at`` from the up to six nearest of the known solutions."""
+    nodes = sorted(known, key=lambda s: abs(s - at))[:6]
+    guess = np.zeros_like(known[nodes[0]])
+    for s in nodes:
+        guess += known[s] * math.prod((at - other) / (s - other) for other in nodes if other != s)
+    return guess
+
+
+def _resolve_piece(
+    points: Sequence[Point], function: Function, tolerance: float, pitchfork: bool, max_degree: int
+) -> tuple[Array, float, int]:
+    """Chebyshev coefficients on one piece, what they leave unresolved, and the number of solutions computed.
+
+    All solutions are computed on the last point's mesh, at prescribed arclength along one direction: the first tangent
+    of a pitchfork, else the chord.
+    """
+    first, last = points[0], points[-1]
+    problem = last.problem
+    base, end = problem.adopt(first.problem, first.u), last.u
+    direction = problem.adopt(first.problem, first.tangent) if pitchfork else end - base
+    direction = direction / math.sqrt(problem.inner(direction, direction))
+    reach = problem.inner(direction, end - base)
+    options = NewtonOptions(max_iterations=8)
+    known = {problem.inner(direction, v - base): v for v in (problem.adopt(p.problem, p.u) for p in points)}
+    samples: dict[int, Array] = {}  # by position among the points of the largest degree
+    degree = min(8, max_degree)
+    while True:
+        stride = max_degree // degree
+        for j in range(0, max_degree + 1, stride):
+            if j in samples:
+                continue
+            t = (1 - math.cos(math.pi * j / max_degree)) / 2
+            s = reach * (math.sqrt(t) if pitchfork else t)
+            if j == 0 and pitchfork:
+                u = base  # the bifurcation point, where the corrector's matrix is singular
+            else:
+                result, _ = correct(problem, _interpolate(s, known), direction, base, s, options)
+                if not result.converged:
+                    raise Unresolved(f"no solution between two points of the path: {result.message}")
+                u = result.u
+            known[s] = u
+            samples[j] = function(problem, u)
+        values = np.array([samples[j] for j in range(0, max_degree + 1, stride)])
+        coefficients = _to_coefficients(degree) @ values
+        scale = 1 + np.abs(values).max(axis=0)
+        error = float((np.abs(coefficients[-3:]).max(axis=0) / scale).max())
+        if error < tolerance or degree == max_degree:
+            return coefficients, error, len(samples)
+        degree *= 2
+
+
+def resolve(
+    points: Sequence[Point],
+    function: Function,
+    *,
+    tolerance: float = 1e-11,
+    pitchfork: bool = False,
+    max_degree: int = 32,
+) -> PathFunctions:
+    """Resolve smooth functions along a path to ``tolerance``, in as few solutions as that takes.
+
+    The whole path is tried as one piece first, and halved where 33 solutions do not suffice.
+
+    Args:
+        points: consecutive points of a path, two at least.
+        function: from problem and unknown to a vector of values.
+        tolerance: for the last Chebyshev coefficients, relative to one plus the function's size.
+        pitchfork: the first point is a bifurcation point at which the branch is even in its arclength.
+        max_degree: of one piece, a power of two.
+
+    Raises:
+        Unresolved: two neighbouring points are too far apart, or the functions are not smooth between them.
+    """
+    try:
+        coefficients, error, count = _resolve_piece(points, function, tolerance, pitchfork, max_degree)
+    except Unresolved:
+        if len(points) == 2:
+            raise
+        error, count = math.inf, 0
+    if error < tolerance or (len(points) == 2 and error < 1e3 * tolerance):
+        return PathFunctions((coefficients,), error, count)
+    if len(points) == 2:
+        raise Unresolved(f"functions along the path are resolved to {error:.1e} only; take shorter steps")
+    middle = len(points) // 2
+    left = resolve(points[: middle + 1], function, tolerance=tolerance, pitchfork=pitchfork, max_degree=max_degree)
+    right = resolve(points[middle:], function, tolerance=tolerance, max_degree=max_degree)
+    return PathFunctions(
+        left.coefficients + right.coefficients, max(left.error, right.error), left.solutions + right.solutions
+    )

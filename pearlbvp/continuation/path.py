@@ -1,0 +1,140 @@
+"""Path following by pseudo-arclength: Euler predictor, Newton corrector, step control.
+
+Source: H. B. Keller, in: Applications of Bifurcation Theory (Academic Press 1977), 359-384; step control as in
+E. J. Doedel, H. B. Keller, J. P. Kernevez, Int. J. Bifurcation Chaos 1 (1991) 493, by the corrector's iterations.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pearlbvp.continuation.problem import Array, Problem
+from pearlbvp.newton import NewtonOptions, NewtonResult, newton
+
+
+@dataclass(frozen=True)
+class PathOptions:
+    """How a path is followed. Steps are lengths in the problem's inner product.
+
+    Attributes:
+        step, min_step, max_step: first, smallest and largest step.
+        max_points: stop after so many.
+        max_angle: largest turn of the tangent in one step, in degrees; a larger one halves the step.
+        newton: options of the corrector.
+    """
+
+    step: float = 0.05
+    min_step: float = 1e-6
+    max_step: float = 0.5
+    max_points: int = 200
+    max_angle: float = 30.0
+    newton: NewtonOptions = field(default_factory=lambda: NewtonOptions(max_iterations=8))
+
+    def __post_init__(self) -> None:
+        if not 0 < self.min_step <= self.step <= self.max_step:
+            raise ValueError(f"step: need 0 < min_step <= step <= max_step, not {self.min_step, self.step, self.max_step}")
+
+
+@dataclass(frozen=True)
+class Point:
+    """A solution on a path.
+
+    Attributes:
+        problem: the problem on the mesh that ``u`` lives on.
+        u: the unknown.
+        tangent: unit tangent of the path.
+        observables: named numbers of the solution.
+        iterations: Newton iterations that it took.
+    """
+
+    problem: Problem
+    u: Array
+    tangent: Array
+    observables: dict[str, float]
+    iterations: int = 0
+
+
+@dataclass(frozen=True)
+class Path:
+    """Consecutive points and why there are no more.
+
+    Attributes:
+        points: in order, the start first.
+        reason: why it ended: what ``stop`` said, ``max_points``, or what went wrong and what to try.
+        complete: whether it ended because ``stop`` said so.
+    """
+
+    points: list[Point]
+    reason: str
+    complete: bool
+
+
+def correct(problem: Problem, guess: Array, direction: Array, base: Array, distance: float,
+            options: NewtonOptions) -> tuple[NewtonResult, Array]:
+    """Newton's method on ``residual(u) = 0, inner(direction, u - base) = distance``.
+
+    Returns:
+        The result, and the unnormalised tangent ``t`` with ``inner(direction, t) = 1`` at the last iterate but one.
+    """  # fmt: skip
+    tangent = direction
+
+    def residual(u: Array) -> Array:
+        return np.append(problem.residual(u), problem.inner(direction, u - base) - distance)
+
+    def solve(u: Array, f: Array) -> Array:
+        nonlocal tangent
+        both = np.column_stack((f, np.zeros_like(f)))
+        both[-1, 1] = 1.0
+        solution = problem.solve(u, both, direction)
+        tangent = solution[:, 1]
+        return solution[:, 0]
+
+    return newton(residual, solve, guess, options), tangent
+
+
+def follow(start: Point, options: PathOptions, stop: Callable[[Point], str | None]) -> Path:
+    """Follow the path from ``start`` along its tangent until ``stop`` returns a reason or it cannot go on.
+
+    The start may be a simple bifurcation point with the tangent of the branch wanted. Consecutive tangents enclose less
+    than ``max_angle``, so the path does not jump or turn back unnoticed.
+    """
+    points, step = [start], options.step
+    point = start
+    while len(points) < options.max_points:
+        problem, inner = point.problem, point.problem.inner
+        result, tangent = correct(
+            problem, point.u + step * point.tangent, point.tangent, point.u, step, options.newton
+        )
+        if result.converged:
+            tangent = tangent / math.sqrt(inner(tangent, tangent))
+            # At a bifurcation point the branch may leave across its tangent's plane as a parabola: the first turn counts too.
+            turn = math.degrees(math.acos(min(1.0, inner(tangent, point.tangent))))
+        if not result.converged or turn > options.max_angle:
+            why = result.message if not result.converged else f"the tangent turns by {turn:.0f} degrees"
+            step /= 2
+            if step < options.min_step:
+                return Path(points, f"the step fell below min_step = {options.min_step:g}: {why}", False)
+            continue
+        u = result.u
+        moved = problem.remesh(u, tangent)
+        if moved is not None:
+            problem, (u, tangent) = moved
+            again, tangent = correct(problem, u, tangent, u, 0.0, options.newton)
+            if not again.converged:
+                return Path(points, f"no convergence after remeshing: {again.message}", False)
+            u = again.u
+            tangent = tangent / math.sqrt(problem.inner(tangent, tangent))
+        point = Point(problem, u, tangent, problem.observables(u), result.iterations)
+        points.append(point)
+        reason = stop(point)
+        if reason is not None:
+            return Path(points, reason, True)
+        if result.iterations <= 4 and turn < options.max_angle / 2:
+            step = min(2 * step, options.max_step)
+        elif result.iterations >= 6:
+            step = max(step / 2, options.min_step)
+    return Path(points, f"max_points = {options.max_points} reached", False)

@@ -1,0 +1,1 @@
+"""Pictures of results. Reads tables and solutions, computes nothing."""

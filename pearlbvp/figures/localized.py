@@ -1,0 +1,31 @@
+"""Picture of a localized-pearl table."""
+
+from __future__ import annotations
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+
+
+def draw_localized(table: pd.DataFrame) -> Figure:
+    """Reduced volume and ``lambda2`` of the branch points against ``L``; columns named ``v_...`` are drawn beside."""
+    figure, (left, right) = new_figure(1, 2, width=9.5, height=4.0)
+    found = table[table["status"] == "found"].sort_values("L")
+    left.plot(found["L"], found["v"], "o-", color=COLOURS[0], label="pearlbvp", markersize=5)
+    others = [name for name in table.columns if name.startswith("v_")]
+    for i, name in enumerate(others):
+        shown = table.dropna(subset=[name])
+        left.plot(shown["L"], shown[name], "x+1"[i % 3], color=COLOURS[1 + i % 5], markersize=9 + 3 * i, mew=1.5,
+                  label=name[2:].replace("_", " "))  # fmt: skip
+    right.plot(found["L"], found["lambda2"], "o-", color=COLOURS[0], markersize=5)
+    title = f"c0 = {table['c0'].iloc[0]:g}, pearls of period {table['period'].iloc[0]:g}"
+    dress(left, "tube length L (radii)", "reduced volume v at the branch point", title)
+    dress(right, "tube length L (radii)", "pressure difference lambda2 at the branch point", "localized single pearl")
+    for axes in (left, right):
+        axes.ticklabel_format(useOffset=False)
+        if found.empty:
+            axes.text(0.5, 0.5, "no branch point found", transform=axes.transAxes, ha="center")
+    if others and not found.empty:
+        left.legend(frameon=False)
+    return figure

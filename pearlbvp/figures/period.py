@@ -1,0 +1,35 @@
+"""Picture of a scan of pearl periods."""
+
+from __future__ import annotations
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+
+
+def _plot_by_pearls(axes: Axes, rows: pd.DataFrame, column: str, colour: str, label: str) -> None:
+    """A line for each number of pearls, so that none is drawn across the jump from one number to the next."""
+    for i, (_, same) in enumerate(rows.groupby(rows["pearls"].diff().fillna(0).ne(0).cumsum())):
+        axes.plot(same["L"], same[column], ".-", color=colour, markersize=3, label=label if i == 0 else None)
+
+
+def draw_periods(table: pd.DataFrame) -> Figure:
+    """Pearl period, stable interval of ``lambda2`` and onset of the localized pearl against ``L``, a colour a ``c0``."""
+    figure, (top, middle, bottom) = new_figure(3, 1, height=8.5, sharex=True)
+    for i, (c0, rows) in enumerate(table.sort_values("L").groupby("c0")):
+        colour = COLOURS[i % len(COLOURS)]
+        _plot_by_pearls(top, rows, "period", colour, f"c0 = {c0:g}")
+        middle.plot(rows["L"], rows["lambda2_pearl"], color=colour)
+        middle.plot(rows["L"], rows["lambda2_upper"], color=colour, linestyle=":")
+        middle.fill_between(rows["L"].to_numpy(float), rows["lambda2_pearl"].to_numpy(float),
+                            rows["lambda2_upper"].to_numpy(float), color=colour, alpha=0.12)  # fmt: skip
+        _plot_by_pearls(bottom, rows, "v_localized", colour, "")
+    dress(top, "", "pearl period L / m (radii)", "first pearls of a straight tube")
+    dress(middle, "", "lambda2: pearls (solid),\nfirst other mode (dotted)", "stable range of the straight tube")
+    dress(bottom, "tube length L (radii)", "reduced volume v", "where the localized pearl branches off")
+    bottom.ticklabel_format(useOffset=False)
+    if top.get_legend_handles_labels()[0]:
+        top.legend(frameon=False)
+    return figure

@@ -1,0 +1,97 @@
+"""The model: Helfrich energy of a tube of fixed period, area and volume, and the straight cylinder.
+
+``E = integral of (H - c0)^2 dS``, ``F = E + lambda1 (A - A0) + lambda2 (V - V0)``, steady states
+``G = Lap H + 2H(H^2 - K) + 2 c0 K - 2(c0^2 + lambda1) H - lambda2 = 0`` (paper, eqs. (1) to (4)), with the inner
+normal: ``H = +1/2`` on the unit cylinder. Lengths are measured in radii of the straight tube.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pearlbvp.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Power of the length unit in each quantity: a tube of radius r has k/r, lambda2/r^3, length r*L, ...
+LENGTH_POWER = {
+    "c0": -1, "period": 1, "L": 1, "k": -1, "lambda1": -2, "lambda2": -3, "lambda2_pearl": -3, "lambda2_upper": -3,
+    "E": -2, "amplitude": 1, "r_min": 1, "r_max": 1,
+}  # fmt: skip
+
+
+def in_units_of_radius(table: pd.DataFrame, radius: float) -> pd.DataFrame:
+    """A table of a tube of radius 1 as that of a tube of ``radius``: every column times its power of the radius."""
+    if radius == 1:
+        return table
+    return table.assign(**{name: table[name] * radius**p for name, p in LENGTH_POWER.items() if name in table})
+
+
+def finite(name: str, value: float) -> float:
+    """``value`` as a float.
+
+    Raises:
+        InputError: it is not a finite number; the message names the argument.
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: {value!r} is not a number; give one like 0.48") from None
+    if not math.isfinite(number):
+        raise InputError(f"{name}: {value!r} is not finite; give an ordinary number")
+    return number
+
+
+def positive(name: str, value: float) -> float:
+    """``value`` as a float.
+
+    Raises:
+        InputError: it is not a finite number above zero; the message names the argument.
+    """
+    number = finite(name, value)
+    if number <= 0:
+        raise InputError(f"{name}: {value!r} must be positive; lengths are measured in radii of the tube")
+    return number
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A straight tube of radius 1.
+
+    Attributes:
+        c0: spontaneous curvature.
+        length: axial period ``L``.
+
+    Raises:
+        InputError: ``c0`` is not finite, or ``length`` is not a positive finite number.
+    """
+
+    c0: float
+    length: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "c0", finite("c0", self.c0))
+        object.__setattr__(self, "length", positive("length", self.length))
+
+    @classmethod
+    def from_dimensional(cls, c0: float, length: float, radius: float) -> Tube:
+        """The tube of radius 1 that a tube of any ``radius`` is similar to: ``c0 r``, ``L / r`` (paper, §1)."""
+        radius = positive("radius", radius)
+        return cls(finite("c0", c0) * radius, positive("length", length) / radius)
+
+    def wave_number(self, m: int) -> float:
+        """``k_m = 2 pi m / L``."""
+        return 2 * math.pi * m / self.length
+
+
+def cylinder_lambda1(lambda2: float, c0: float) -> float:
+    """Surface tension of the straight cylinder, ``1/4 - lambda2 - c0^2`` (paper, eq. (socon) at r = 1)."""
+    return 0.25 - lambda2 - c0**2
+
+
+def cylinder_energy(c0: float) -> float:
+    """Normalised energy ``E/A`` of the straight cylinder, ``(1/2 - c0)^2``."""
+    return (0.5 - c0) ** 2

@@ -1,0 +1,83 @@
+"""Newton's method for systems whose linear solves are somebody else's: one corrector for all discretizations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NewtonOptions:
+    """When Newton's method is content and when it gives up.
+
+    Attributes:
+        tolerance: the last correction must be smaller (largest entry, relative to one plus the unknown's).
+        max_iterations: after these it gives up.
+        damping: halve a correction up to this many times while the residual does not fall; 0 takes full steps.
+    """
+
+    tolerance: float = 1e-9
+    max_iterations: int = 12
+    damping: int = 0
+
+
+@dataclass(frozen=True)
+class NewtonResult:
+    """What Newton's method found.
+
+    Attributes:
+        u: the last iterate.
+        converged: whether it is a solution.
+        iterations: linear solves made.
+        correction: size of the last correction, relative to one plus the unknown.
+        message: empty, or why it failed and what to try.
+    """
+
+    u: Array
+    converged: bool
+    iterations: int
+    correction: float
+    message: str = ""
+
+
+def newton(
+    residual: Callable[[Array], Array],
+    correct: Callable[[Array, Array], Array],
+    u: Array,
+    options: NewtonOptions | None = None,
+) -> NewtonResult:
+    """Solve ``residual(u) = 0``; ``correct(u, f)`` returns ``J(u)^{-1} f``.
+
+    Convergence is quadratic, so the error after the last correction ``d`` is of size ``d**2``: a correction below
+    ``1e-9`` leaves rounding only.
+    """
+    options = options or NewtonOptions()
+    correction = np.inf
+    with np.errstate(all="ignore"):
+        f = residual(u)
+        for iteration in range(1, options.max_iterations + 1):
+            if not np.isfinite(f).all():
+                return NewtonResult(u, False, iteration - 1, correction, "the residual is not finite; start nearer")
+            try:
+                step = correct(u, f)
+            except np.linalg.LinAlgError as error:
+                return NewtonResult(u, False, iteration, correction, f"singular Jacobian ({error}); start elsewhere")
+            previous, correction = correction, float(np.max(np.abs(step) / (1 + np.abs(u))))
+            if correction < options.tolerance:
+                return NewtonResult(u - step, True, iteration, correction)
+            if options.damping == 0 and iteration > 2 and correction > 2 * previous:
+                return NewtonResult(u, False, iteration, correction, "Newton's method diverges; take a smaller step")
+            size = np.linalg.norm(f)
+            for halving in range(options.damping + 1):
+                trial = u - step / 2**halving
+                f = residual(trial)
+                if np.linalg.norm(f) < size:
+                    break
+            u = trial
+    message = f"no convergence in {options.max_iterations} iterations; take a smaller step or a better guess"
+    return NewtonResult(u, False, options.max_iterations, correction, message)

@@ -1,0 +1,51 @@
+"""Lists of numbers as users write them: ``15,30,45``, or ``start:stop:step`` with both ends."""
+
+from __future__ import annotations
+
+from decimal import Decimal, InvalidOperation
+
+from pearlbvp.errors import InputError
+
+MOST = 100_000
+"""Longest list that a range may stand for."""
+
+
+def _number(name: str, text: str) -> Decimal:
+    try:
+        number = Decimal(text.strip())
+    except InvalidOperation:
+        number = Decimal("nan")
+    if not number.is_finite():
+        raise InputError(f"{name}: {text.strip()!r} is not a finite number; write numbers like 15 or 7.5")
+    return number
+
+
+def parse_numbers(name: str, text: str) -> list[float]:
+    """The numbers that ``text`` stands for, in order.
+
+    Args:
+        name: the argument's name, for messages.
+        text: comma-separated numbers and ranges ``start:stop:step``. A range contains both its ends.
+
+    Raises:
+        InputError: text that is no number, an empty list, a range that does not reach its end.
+    """
+    numbers: list[float] = []
+    if not text.strip():
+        raise InputError(f"{name}: the list is empty; write numbers like 15,30,45 or a range like 7.5:120:0.5")
+    for item in text.split(","):
+        parts = item.split(":")
+        if len(parts) == 1:
+            numbers.append(float(_number(name, item)))
+            continue
+        if len(parts) != 3:
+            raise InputError(f"{name}: {item.strip()!r} is no range; write start:stop:step, like 7.5:120:0.5")
+        start, stop, step = (_number(name, part) for part in parts)
+        if step == 0 or (stop - start) / step < 0:
+            raise InputError(f"{name}: {item.strip()!r} never reaches {stop}; change the step's sign")
+        if (stop - start) / step > MOST:
+            raise InputError(f"{name}: {item.strip()!r} has more than {MOST} numbers; take a larger step")
+        if (stop - start) % step != 0:
+            raise InputError(f"{name}: {item.strip()!r} steps past its end {stop}; choose a step that divides the range")
+        numbers.extend(float(start + i * step) for i in range(int((stop - start) / step) + 1))
+    return numbers

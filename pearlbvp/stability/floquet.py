@@ -1,0 +1,82 @@
+"""Neutral perturbations over one period: Floquet multipliers at growth rate zero.
+
+The equation ``mu w = D'' + ...`` (design, §5) for normal perturbations ``w(s) e^{i n phi}``, ``D = delta H``, is at
+``mu = 0`` a linear system for ``(w, w', D, D')``. A multiplier ``e^{i theta}`` is a neutral Bloch wave. It is solved
+with the collocation and on the mesh of the profile itself. Independent of ``bloch``, which uses the energy's second
+variation in another coordinate and another discretization.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pearlbvp.collocation.elimination import transfer_pencil
+from pearlbvp.collocation.scheme import Array
+from pearlbvp.stability.profile import Profile, curvatures
+
+
+def jacobi_matrices(profile: Profile, n: int, mu: float = 0.0) -> Array:
+    """Matrices ``M`` of ``y' = M y``, ``y = (w, w', D, D')``, ``'`` by sigma, at the Gauss points: (N*m, 4, 4)."""
+    states, scheme = profile.states, profile.states.scheme
+    at_gauss: Array = (scheme.values @ states.local()).reshape(-1, 4)
+    g = curvatures(at_gauss, profile)
+    azimuthal = (n / g.r) ** 2
+    tension = profile.c0**2 + profile.lambda1
+    coupling = 2 * profile.c0 - 2 * g.h
+    matrices = np.zeros((len(at_gauss), 4, 4))
+    # w'' = -2D - b w' + n^2/r^2 w - (4H^2 - 2K) w
+    w2_w = azimuthal - (4 * g.h**2 - 2 * g.gauss)
+    matrices[:, 0, 1] = 1
+    matrices[:, 1, 0], matrices[:, 1, 1], matrices[:, 1, 2] = w2_w, -g.b, -2
+    # delta K = -(kappa_phi w'' + kappa_s (b w' - n^2/r^2 w)) - 2HK w, with w'' from above
+    dk_w = -(g.around * w2_w - g.along * azimuthal) - 2 * g.h * g.gauss
+    dk_w1 = g.b * (g.around - g.along)
+    dk_d = 2 * g.around
+    # D'' = mu w - b D' + n^2/r^2 D - (terms in H', H'') - (6H^2 - 2K - 2(c0^2 + lambda1)) D - (2c0 - 2H) delta K
+    matrices[:, 2, 3] = 1
+    matrices[:, 3, 0] = mu + 2 * (g.along * g.h2 + g.around * g.b * g.h1) + 2 * g.h1**2 - coupling * dk_w
+    matrices[:, 3, 1] = 2 * (g.along - g.h) * g.h1 - coupling * dk_w1
+    matrices[:, 3, 2] = azimuthal - (6 * g.h**2 - 2 * g.gauss - 2 * tension) - coupling * dk_d
+    matrices[:, 3, 3] = -g.b
+    return matrices * profile.arclength
+
+
+def multipliers(profile: Profile, n: int, mu: float = 0.0) -> NDArray[np.complex128]:
+    """The four Floquet multipliers over one period at growth rate ``mu``, sorted by modulus, shape (4,).
+
+    At ``mu = 0`` translation along the axis gives a double multiplier 1 at ``n = 0``, translations across it at ``n = 1``. A double
+    multiplier is found to the square root of rounding only; ``neutral_cosines`` has no such loss. The QZ method on
+    the pencil keeps those on the unit circle accurate where others grow like ``e^{n S}``.
+    """
+    from scipy.linalg import eigvals  # scipy.linalg costs a sixth of a second to import, and only this needs it
+
+    whole = profile.mirrored()
+    a0, a1 = transfer_pencil(whole.states.scheme, np.diff(whole.states.mesh), jacobi_matrices(whole, n, mu))
+    rho: NDArray[np.complex128] = eigvals(-a0, a1)
+    return rho[np.argsort(np.abs(rho))]
+
+
+def neutral_cosines(profile: Profile, n: int, mu: float = 0.0) -> NDArray[np.complex128]:
+    """The two values of ``2 cos(theta) = rho + 1/rho`` of a profile with reflection symmetry, shape (2,).
+
+    With the half-period map ``Phi`` and the reflection ``R = diag(1, -1, 1, -1)`` the monodromy matrix is
+    ``R Phi^{-1} R Phi``, and ``M + M^{-1}`` commutes with ``R``: its block on ``(w, D)``, which is ``4 P A - 2`` with the
+    ``(w, D)`` blocks ``A`` of ``Phi`` and ``P`` of ``Phi^{-1}``, has both values as simple eigenvalues. (For Hill's
+    equation this is ``cos theta = 2 A D - 1``; W. Magnus, S. Winkler, Hill's Equation (1966), §1.3.)
+
+    At ``n = 0`` and ``n = 1`` the value nearest to 2 is that of the translations; it comes first. A real value between
+    -2 and 2 is a pair of neutral Bloch waves (of waves with growth rate ``mu``, where one is given).
+
+    Raises:
+        ValueError: the profile is not given as a half period.
+    """
+    if not profile.half:
+        raise ValueError("profile: neutral_cosines needs half a period between planes of reflection; use multipliers")
+    scheme, mesh = profile.states.scheme, profile.states.mesh
+    a0, a1 = transfer_pencil(scheme, np.diff(mesh), jacobi_matrices(profile, n, mu))
+    even = [0, 2]
+    forward = np.linalg.solve(a1, -a0[:, even])[even]
+    backward = np.linalg.solve(a0, -a1[:, even])[even]
+    cosines: NDArray[np.complex128] = np.asarray(4 * np.linalg.eigvals(backward @ forward) - 2, dtype=complex)
+    return cosines[np.argsort(np.abs(cosines - 2))]

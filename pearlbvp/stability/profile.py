@@ -1,0 +1,87 @@
+"""An axisymmetric equilibrium as a function of arclength: what stability is computed of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pearlbvp.collocation import PiecewisePolynomial
+from pearlbvp.collocation.scheme import Array
+
+
+@dataclass(frozen=True)
+class Profile:
+    """One period of an axisymmetric surface, or the half of it between two planes of reflection.
+
+    Attributes:
+        states: ``r, psi, h, w`` (radius, tangent angle, mean curvature and its derivative by arclength) as functions
+            of ``sigma`` in [0, 1], ``s = arclength * sigma``.
+        arclength: length of the profile curve given.
+        half: whether the profile given is half a period, ending in planes of reflection.
+        c0, lambda1, lambda2: the parameters and multipliers with which it is an equilibrium.
+        period: axial length of the whole period.
+    """
+
+    states: PiecewisePolynomial
+    arclength: float
+    half: bool
+    c0: float
+    lambda1: float
+    lambda2: float
+    period: float
+
+    def at(self, sigma: Array) -> Array:
+        """States at ``sigma``, shape (K,), of the whole period: ``sigma`` from 0 to 1, or to 2 for a half profile.
+
+        Returns:
+            Shape (K, 4): ``r, psi, h, w``; past a plane of reflection ``psi`` and ``w`` change sign.
+        """
+        beyond = sigma > 1
+        states = self.states(np.where(beyond, 2 - sigma, sigma))
+        states[beyond, 1] *= -1
+        states[beyond, 3] *= -1
+        return states
+
+    def mirrored(self) -> Profile:
+        """The whole period as one piecewise polynomial."""
+        if not self.half:
+            return self
+        mesh, values = self.states.mesh / 2, self.states.values
+        reflected = values[::-1] * np.array([1.0, -1.0, 1.0, -1.0])
+        whole = PiecewisePolynomial(np.append(mesh, 1 - mesh[-2::-1]), np.vstack((values, reflected[1:])))
+        return Profile(whole, 2 * self.arclength, False, self.c0, self.lambda1, self.lambda2, self.period)
+
+
+@dataclass(frozen=True)
+class Curvatures:
+    """Geometry of a profile at points, each of shape (K,). Primes are derivatives by arclength.
+
+    Attributes:
+        r: radius.
+        b: ``sin psi / r``.
+        h, h1, h2, lap: mean curvature, ``H'``, ``H''``, and its surface Laplacian ``H'' + b H'`` (from ``G = 0``).
+        along, around: principal curvatures ``kappa_s`` and ``kappa_phi = cos psi / r``.
+        gauss: their product.
+    """
+
+    r: Array
+    b: Array
+    h: Array
+    h1: Array
+    h2: Array
+    lap: Array
+    along: Array
+    around: Array
+    gauss: Array
+
+
+def curvatures(states: Array, profile: Profile) -> Curvatures:
+    """Geometry at given states, shape (K, 4), of a profile."""
+    r, psi, h, w = states.T
+    b, around = np.sin(psi) / r, np.cos(psi) / r
+    along = 2 * h - around
+    gauss = along * around
+    c0 = profile.c0
+    lap = -(2 * h * (h**2 - gauss) + 2 * c0 * gauss - 2 * (c0**2 + profile.lambda1) * h - profile.lambda2)
+    return Curvatures(r, b, h, w, lap - b * w, lap, along, around, gauss)

@@ -1,0 +1,1 @@
+"""What users come for, one file a question; each returns a pandas DataFrame. Knows nothing of argument parsing."""

@@ -1,0 +1,104 @@
+"""Which pearl period appears on a tube, over which range is the tube stable, and when does a localized pearl take over?"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Iterator
+
+import pandas as pd
+
+from pearlbvp.continuation.chebyshev import Unresolved
+from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube, finite
+from pearlbvp.studies.localized import PeriodicPearls
+from pearlbvp.theory.dispersion import stable_interval
+
+COLUMNS = ["c0", "L", "pearls", "period", "k", "status", "lambda2_pearl", "lambda2_upper", "upper_mode",
+           "v_localized", "localized_status", "message"]  # fmt: skip
+
+_FEWEST_FOR_PROCESSES = 16
+"""Below this many cases, starting processes costs more than it saves."""
+
+
+def pearl_period(c0: float, length: float) -> dict[str, object]:
+    """One row of the scan: the pearls that the straight tube of a length loses stability to."""
+    tube = Tube(c0, length)
+    interval = stable_interval(tube)
+    row: dict[str, object] = {"c0": tube.c0, "L": tube.length, "message": ""}
+    if not interval.exists:
+        message = "the straight tube of this length is stable for no lambda2"
+        return row | {"status": "no_stable_cylinder", "localized_status": "no_stable_cylinder", "message": message}
+    row |= {"lambda2_upper": interval.upper, "upper_mode": "{}:{}".format(*interval.upper_mode)}
+    if interval.lower_mode is None:
+        message = "no pearls with k < 1 fit a tube of this length: nothing ends its stable interval from below"
+        return row | {"status": "none_in_range", "localized_status": "none_in_range", "message": message}
+    pearls = interval.lower_mode[0]
+    row |= {"pearls": pearls, "period": tube.length / pearls, "k": tube.wave_number(pearls), "status": "found",
+            "lambda2_pearl": interval.lower}  # fmt: skip
+    if pearls == 1:
+        return row | {"localized_status": "single_pearl"}
+    try:
+        found = PeriodicPearls.trace(tube.c0, tube.length / pearls, pearls).row(pearls)
+    except (Unresolved, ArithmeticError) as error:
+        found = {"status": "failed", "message": str(error)}
+    return row | {"v_localized": found.get("v"), "localized_status": found["status"], "message": found["message"]}
+
+
+def scan(cases: list[tuple[float, float]], processes: int | None = None) -> Iterator[dict[str, object]]:
+    """Rows of ``pearl_period`` for cases ``(c0, length)``, in order, each as soon as it and those before it are done.
+
+    Args:
+        cases: what to compute.
+        processes: how many to use; by default one a core, or none besides this one for a few cases. Each is kept to
+            one BLAS thread.
+    """
+    if processes == 1 or len(cases) < _FEWEST_FOR_PROCESSES and processes is None:
+        for case in cases:
+            yield pearl_period(*case)
+        return
+    from joblib import Parallel, delayed, parallel_config  # a fifth of a second to import, and only scans need it
+
+    with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1):
+        yield from Parallel(return_as="generator", batch_size=4)(delayed(pearl_period)(*case) for case in cases)
+
+
+def pearl_periods(
+    c0: float | Iterable[float],
+    lengths: Iterable[float],
+    *,
+    processes: int | None = None,
+    progress: bool | None = None,
+) -> pd.DataFrame:
+    """Number of pearls, their period, the stable interval and the localized pearl's branch point, for every length.
+
+    Args:
+        c0: one spontaneous curvature or several.
+        lengths: tube lengths in radii.
+        processes: how many to use (``None``: as many as help).
+        progress: show a bar on standard error (``None``: if that is a terminal).
+
+    Returns:
+        A row a ``(c0, L)``: ``c0, L, pearls, period, k, status, lambda2_pearl, lambda2_upper, upper_mode, v_localized,
+        localized_status, message``. The tube is stable for ``lambda2_pearl < lambda2 < lambda2_upper``. An interrupted
+        scan returns the rows that are done.
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+    from tqdm import tqdm  # a tenth of a second to import, and only scans need it
+
+    curvatures = [finite("c0", value) for value in ([c0] if isinstance(c0, (int, float)) else c0)]
+    cases = [(curvature, Tube(curvature, length).length) for curvature in curvatures for length in list(lengths)]
+    if not cases:
+        raise InputError("lengths: the list is empty; give at least one c0 and one length")
+    rows: list[dict[str, object]] = []
+    bar = tqdm(total=len(cases), unit="tube", disable=None if progress is None else not progress, file=sys.stderr)
+    with bar:
+        try:
+            for row in scan(cases, processes):
+                rows.append(row)
+                bar.update()
+        except KeyboardInterrupt:
+            print(f"interrupted: {len(rows)} of {len(cases)} rows are done and kept", file=sys.stderr)
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    return table.astype({"pearls": "Int64"})

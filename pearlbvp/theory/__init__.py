@@ -1,0 +1,1 @@
+"""Closed forms: dispersion relation of the straight cylinder."""

@@ -1,0 +1,121 @@
+"""Stability of the straight cylinder in closed form (paper, §3): growth rates, branch points, stable intervals.
+
+With ``kappa = k^2`` and ``q = kappa + n^2`` the growth rate of ``e^{i(kx + n phi)}`` (paper, eq. (eigs) at r = 1) is
+``mu = -(q - 1)^2/2 + lambda2 (q - 1) - (1 - 2 c0) kappa``: a mode with ``q > 1`` is unstable above its critical
+``lambda2``, a pearling mode with ``k < 1`` below it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pearlbvp.helfrich import Tube, finite
+
+Mode = tuple[int, int]
+
+
+def growth_rate(k: ArrayLike, n: ArrayLike, lambda2: ArrayLike, c0: float) -> NDArray[np.float64]:
+    """Growth rate ``mu(k, n, lambda2)`` of a mode of the cylinder; positive means unstable. Broadcasts."""
+    kappa = np.square(np.asarray(k, dtype=float))
+    excess = kappa + np.square(np.asarray(n, dtype=float)) - 1
+    mu: NDArray[np.float64] = -(excess**2) / 2 + np.asarray(lambda2) * excess - (1 - 2 * c0) * kappa
+    return mu
+
+
+def critical_lambda2(k: ArrayLike, n: ArrayLike, c0: float) -> NDArray[np.float64]:
+    """The ``lambda2`` at which the mode ``(k, n)`` is neutral: ``(q - 1)/2 + (1 - 2 c0) k^2/(q - 1)``. Broadcasts.
+
+    Pearling is eq. (l2hu) of the paper, coiling/buckling eq. (inmixed), wrinkling ``(n^2 - 1)/2``. Not a number for
+    modes that are neutral everywhere (translations, ``k = 0, n = 1``) or nowhere (``k = 1, n = 0``).
+    """
+    kappa = np.square(np.asarray(k, dtype=float))
+    excess = kappa + np.square(np.asarray(n, dtype=float)) - 1
+    with np.errstate(divide="ignore", invalid="ignore"):
+        critical: NDArray[np.float64] = np.where(
+            excess == 0, np.nan, excess / 2 + (1 - 2 * c0) * kappa / np.where(excess == 0, 1, excess)
+        )
+    return critical
+
+
+def mode_type(m: int, n: int) -> str:
+    """The field's name of the branches that a mode gives rise to."""
+    if n == 0:
+        return "pearling"
+    return "wrinkling" if m == 0 else "coiling/buckling"
+
+
+@dataclass(frozen=True)
+class StableInterval:
+    """The range of ``lambda2`` in which the straight tube is stable at fixed area and volume.
+
+    Attributes:
+        lower: where pearling begins; ``-inf`` if no pearling mode with ``k < 1`` fits the tube.
+        lower_mode: the pearling mode ``(m, 0)`` that begins there.
+        upper: where the first of all other modes begins.
+        upper_mode: that mode.
+    """
+
+    lower: float
+    lower_mode: Mode | None
+    upper: float
+    upper_mode: Mode
+
+    @property
+    def exists(self) -> bool:
+        """Whether the straight tube is stable anywhere."""
+        return self.lower < self.upper
+
+
+def stable_interval(tube: Tube) -> StableInterval:
+    """The stable interval of a straight tube of finite length.
+
+    Every other upper end is below the wrinkling mode (0, 2) at 3/2, so only modes with ``q <= 4 + 2|1 - 2 c0|`` and
+    the shortest pearls with ``k > 1`` need to be looked at.
+    """
+    c0, per_k = tube.c0, tube.length / (2 * math.pi)
+    q_max = 4 + 2 * abs(1 - 2 * c0)
+    m = np.arange(0, math.floor(max(math.sqrt(q_max), 1) * per_k) + 2)[:, None]
+    n = np.arange(0, math.floor(math.sqrt(q_max)) + 1)[None, :]
+    k = m / per_k
+    critical = critical_lambda2(k, n, c0)
+    pearling_below = (n == 0) & (m > 0) & (k <= 1)
+    lower = np.where(pearling_below & (k < 1), critical, -np.inf)
+    if c0 > 0.5:  # at k = 1 exactly, mu = 2 c0 - 1 > 0 whatever lambda2
+        lower = np.where(pearling_below & (k == 1), np.inf, lower)
+    upper = np.where(k**2 + n**2 > 1, critical, np.inf)
+    first = np.unravel_index(np.argmax(lower), lower.shape)
+    last = np.unravel_index(np.argmin(upper), upper.shape)
+    return StableInterval(
+        lower=float(lower[first]),
+        lower_mode=None if np.isneginf(lower[first]) else (int(first[0]), int(first[1])),
+        upper=float(upper[last]),
+        upper_mode=(int(last[0]), int(last[1])),
+    )
+
+
+def critical_wave_number(c0: float) -> float:
+    """Wave number of the first pearls on a very long tube: ``sqrt(1 - sqrt(2 - 4 c0))`` for 1/4 < c0 < 1/2, else 0.
+
+    Source: paper, eq. (kape). For ``c0 >= 1/2`` it tends to 1, where long tubes have no stable interval.
+    """
+    c0 = finite("c0", c0)
+    if c0 >= 0.5:
+        return 1.0
+    return math.sqrt(1 - math.sqrt(2 - 4 * c0)) if c0 > 0.25 else 0.0
+
+
+def long_tube_interval(c0: float) -> tuple[float, float]:
+    """The stable interval of ``lambda2`` as ``L`` tends to infinity (paper, Corollary destabcor).
+
+    Empty (lower end not below the upper end) for ``c0 >= 1/2``.
+    """
+    c0 = finite("c0", c0)
+    # The supremum of the pearling curve over 0 < k < 1; it is unbounded for c0 > 1/2.
+    lower = math.inf if c0 > 0.5 else 0.0 if c0 == 0.5 else float(critical_lambda2(critical_wave_number(c0), 0, c0))
+    # The infimum of coiling (k -> 0), of wrinkling, and of pearling with k > 1.
+    upper = -math.inf if c0 > 0.5 else min(1 - 2 * c0, 1.5, (1 - 2 * c0) + math.sqrt(2 * (1 - 2 * c0)))
+    return lower, upper

@@ -1,0 +1,146 @@
+"""The command line as its users meet it."""
+
+import io
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from pearlbvp.cli import cli, main
+
+DATA = Path(__file__).parents[1] / "data"
+
+
+def run(capsys, *arguments):
+    """Exit status, standard output and standard error of a call in this process."""
+    with pytest.raises(SystemExit) as left:
+        main(list(arguments))
+    captured = capsys.readouterr()
+    return left.value.code, captured.out, captured.err
+
+
+def is_png(path):
+    return path.read_bytes().startswith(b"\x89PNG\r\n")
+
+
+def test_dispersion(capsys, tmp_path):
+    status, out, err = run(capsys, "dispersion", "--c0", "0.48", "--length", "30", "--plot", str(tmp_path / "d.png"))
+    assert (status, err) == (0, "")
+    table = pd.read_csv(io.StringIO(out), keep_default_na=False)
+    assert list(table.columns) == ["m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role"]
+    assert table[table.role == "lower"].m.tolist() == [4]
+    assert is_png(tmp_path / "d.png")
+
+
+def test_localized_writes_the_contract_s_columns(capsys, tmp_path):
+    csv, png = tmp_path / "t.csv", tmp_path / "t.png"
+    status, out, err = run(capsys, "localized", "--c0", "0.48", "--period", "7.5", "--lengths", "15:60:15",
+                           "--compare", str(DATA / "paper_localized.csv"), "--out", str(csv), "--plot", str(png))  # fmt: skip
+    assert (status, out, err) == (0, "", "")
+    table = pd.read_csv(csv)
+    assert list(table.columns) == ["c0", "period", "L", "pearls", "status", "lambda1", "lambda2", "v", "E", "amplitude",
+                                   "message", "v_paper", "v_corrected"]  # fmt: skip
+    assert abs(table.v - table.v_corrected).max() < 5.01e-6
+    assert "1.00811073653" in csv.read_text()  # twelve significant digits
+    assert is_png(png)
+    assert sorted(os.listdir(tmp_path)) == ["t.csv", "t.png"]
+
+
+def test_period(capsys, tmp_path):
+    status, out, err = run(capsys, "period", "--c0", "0.3,0.48", "--lengths", "15,16", "--plot", str(tmp_path / "p.png"))
+    assert (status, err) == (0, "")
+    table = pd.read_csv(io.StringIO(out))
+    assert list(table.columns[:11]) == ["c0", "L", "pearls", "period", "k", "status", "lambda2_pearl", "lambda2_upper",
+                                        "upper_mode", "v_localized", "localized_status"]  # fmt: skip
+    assert table.c0.tolist() == [0.3, 0.3, 0.48, 0.48]
+    assert is_png(tmp_path / "p.png")
+
+
+def test_a_radius_scales_everything(capsys):
+    _, unit, _ = run(capsys, "localized", "--c0", "0.48", "--period", "7.5", "--lengths", "15")
+    _, large, _ = run(capsys, "localized", "--c0", "0.24", "--period", "15", "--lengths", "30", "--radius", "2")
+    one, two = pd.read_csv(io.StringIO(unit)).iloc[0], pd.read_csv(io.StringIO(large)).iloc[0]
+    for name, power in {"c0": -1, "L": 1, "lambda1": -2, "lambda2": -3, "v": 0, "E": -2, "amplitude": 1}.items():
+        assert two[name] == pytest.approx(one[name] * 2.0**power, rel=1e-10)
+
+
+GOOD = {
+    "dispersion": {"--c0": "0.48", "--length": "30"},
+    "localized": {"--c0": "0.48", "--period": "7.5", "--lengths": "15"},
+    "period": {"--c0": "0.48", "--lengths": "15"},
+}
+
+
+@pytest.mark.parametrize(
+    ("command", "change", "named"),
+    [
+        ("dispersion", {"--length": "0"}, "length"),
+        ("dispersion", {"--length": "-3"}, "length"),
+        ("dispersion", {"--length": "nan"}, "--length"),
+        ("dispersion", {"--c0": "inf"}, "--c0"),
+        ("dispersion", {"--c0": "high"}, "--c0"),
+        ("dispersion", {"--max-m": "-1"}, "max_m"),
+        ("dispersion", {"--radius": "0"}, "radius"),
+        ("localized", {"--lengths": ""}, "--lengths"),
+        ("localized", {"--lengths": "15,x"}, "--lengths"),
+        ("localized", {"--lengths": "16"}, "lengths"),
+        ("localized", {"--period": "6.28"}, "period"),
+        ("localized", {"--period": "seven"}, "--period"),
+        ("localized", {"--out": "no/such/folder/t.csv"}, "--out"),
+        ("localized", {"--plot": "no/such/folder/t.png"}, "--plot"),
+        ("localized", {"--compare": "nothing.csv"}, "compare"),
+        ("period", {"--lengths": "nan"}, "--lengths"),
+        ("period", {"--lengths": "0"}, "length"),
+        ("period", {"--processes": "0"}, "--processes"),
+    ],
+)
+def test_mistakes_are_one_line_that_names_the_argument(capsys, command, change, named):
+    options = GOOD[command] | change
+    status, out, err = run(capsys, command, *(word for pair in options.items() for word in pair))
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
+    assert named in err
+
+
+def test_missing_and_unknown_options(capsys):
+    for arguments in (["dispersion"], ["dispersion", "--colour", "red"], ["nonsense"]):
+        status, out, err = run(capsys, *arguments)
+        assert (status, out, err.count("\n")) == (2, "", 1)
+
+
+def test_failed_rows_are_written_and_said(capsys, monkeypatch):
+    from pearlbvp.studies import period
+
+    good = {"c0": 0.48, "L": 15.0, "status": "found", "localized_status": "failed", "message": "why"}
+    monkeypatch.setattr(period, "scan", lambda cases, processes: iter([good]))
+    status, out, err = run(capsys, "period", "--c0", "0.48", "--lengths", "15")
+    assert status == 1
+    assert "why" in out
+    assert "1 of 1 rows failed" in err
+
+
+def test_a_full_disk_is_one_line_and_no_file():
+    if not os.path.exists("/dev/full"):
+        return  # only some systems have a device that is always full
+    process = subprocess.run(
+        [sys.executable, "-m", "pearlbvp", "dispersion", "--c0", "0", "--length", "10"],
+        stdout=open("/dev/full", "w"), stderr=subprocess.PIPE, text=True, check=False,
+    )  # fmt: skip
+    assert process.returncode == 2
+    assert process.stderr.count("\n") == 1
+    assert "No space left" in process.stderr
+
+
+def test_help_has_examples():
+    for name, command in cli.commands.items():
+        assert f"pearlbvp {name} --c0" in command.epilog
+
+
+def test_a_reader_that_has_had_enough_is_no_error():
+    shell = f"{sys.executable} -m pearlbvp dispersion --c0 0 --length 600 --max-m 3000 | head -1"
+    process = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
+    assert process.stdout.startswith("m,n,k")
+    assert process.stderr == ""

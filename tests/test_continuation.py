@@ -1,0 +1,107 @@
+"""Path following and Chebyshev resolution on algebraic curves that are known exactly: nothing of membranes here."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from pearlbvp.continuation import PathOptions, Point, follow
+from pearlbvp.continuation.chebyshev import Unresolved, resolve
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The zero set of a function of two variables with known gradient."""
+
+    f: object
+    gradient: object
+
+    def residual(self, u):
+        return np.array([self.f(*u)])
+
+    def solve(self, u, rhs, row=None):
+        return np.linalg.solve(np.vstack((self.gradient(*u), row)), rhs)
+
+    def inner(self, u, v):
+        return float(u @ v)
+
+    def observables(self, u):
+        return {"x": float(u[0]), "y": float(u[1])}
+
+    def remesh(self, u, *others):
+        return None
+
+    def adopt(self, other, u):
+        return u
+
+
+CIRCLE = Curve(lambda x, y: x**2 + y**2 - 1, lambda x, y: np.array([2 * x, 2 * y]))
+PITCHFORK = Curve(lambda x, y: x * (y - x**2), lambda x, y: np.array([y - 3 * x**2, x]))
+
+
+def start(problem, u, tangent):
+    u = np.array(u, dtype=float)
+    return Point(problem, u, np.array(tangent, dtype=float), problem.observables(u))
+
+
+def test_circle_is_followed_through_both_folds():
+    first = start(CIRCLE, [1, 0], [0, 1])
+    path = follow(first, PathOptions(step=0.1, max_step=0.3), lambda p: "round" if 0 > p.u[1] > -0.9 and p.u[0] > 0 else None)
+    assert path.complete
+    angles = np.unwrap([math.atan2(p.u[1], p.u[0]) for p in path.points])
+    assert (np.diff(angles) > 0).all()
+    assert angles[-1] > 1.5 * math.pi
+    assert max(abs(p.u @ p.u - 1) for p in path.points) < 1e-14
+    # Steps may grow to 0.3 but no tangent may turn by more than 30 degrees.
+    assert np.diff(angles).max() < math.radians(30) + 1e-6
+
+
+def test_branch_of_a_pitchfork_is_left_along_its_tangent():
+    path = follow(start(PITCHFORK, [0, 0], [1, 0]), PathOptions(step=0.1), lambda p: "far" if p.u[1] > 0.5 else None)
+    assert path.complete
+    assert all(p.u[1] == pytest.approx(p.u[0] ** 2, abs=1e-12) for p in path.points)
+
+
+def test_a_path_that_ends_says_why():
+    cusp = Curve(lambda x, y: y**2 - x**3 - 1e-14, lambda x, y: np.array([-3 * x**2, 2 * y]))
+    path = follow(start(cusp, [1, 1], np.array([-2, -3]) / math.sqrt(13)), PathOptions(step=0.1, min_step=1e-3), lambda p: None)
+    assert not path.complete
+    assert "min_step" in path.reason
+
+
+def test_max_points_is_a_reason_too():
+    path = follow(start(CIRCLE, [1, 0], [0, 1]), PathOptions(max_points=5), lambda p: None)
+    assert (len(path.points), path.complete) == (5, False)
+    assert "max_points" in path.reason
+
+
+def test_functions_along_the_circle_are_resolved_to_rounding():
+    path = follow(start(CIRCLE, [1, 0], [0, 1]), PathOptions(step=0.1, max_step=0.3), lambda p: "far" if p.u[0] < -0.9 else None)
+    functions = resolve(path.points, lambda problem, u: np.array([u[0], u[1], math.atan2(u[1], u[0])]), tolerance=1e-12)
+    (x,) = functions.crossings(0)  # the circle's top
+    np.testing.assert_allclose(functions(np.array([x]))[0], [0, 1, math.pi / 2], atol=1e-11)
+    (x,) = functions.crossings(1, derivative=1)
+    np.testing.assert_allclose(functions(np.array([x]))[0, 1], 1, atol=1e-11)
+    samples = functions(np.linspace(0, len(functions.coefficients), 301))
+    np.testing.assert_allclose(samples[:, 0] ** 2 + samples[:, 1] ** 2, 1, atol=1e-10)
+
+
+def test_at_a_pitchfork_even_functions_are_polynomials_of_the_square():
+    path = follow(start(PITCHFORK, [0, 0], [1, 0]), PathOptions(step=0.1), lambda p: "far" if p.u[1] > 0.5 else None)
+    functions = resolve(path.points, lambda problem, u: np.array([u[1], u[0] ** 4]), pitchfork=True)
+    assert functions.solutions == 9
+    (x,) = functions.crossings(0, 0.3)
+    np.testing.assert_allclose(functions(np.array([x]))[0], [0.3, 0.09], atol=1e-14)
+    assert functions.crossings(0, 7.0).size == 0
+
+
+def test_a_kink_between_two_points_is_unresolved():
+    path = follow(start(CIRCLE, [1, 0], [0, 1]), PathOptions(step=0.3, max_step=0.3), lambda p: "far" if p.u[0] < 0.5 else None)
+    with pytest.raises(Unresolved, match="shorter steps"):
+        resolve(path.points, lambda problem, u: np.array([abs(u[1] - 0.2)]))
+
+
+def test_steps_must_be_ordered():
+    with pytest.raises(ValueError, match="min_step"):
+        PathOptions(step=1.0, max_step=0.1)

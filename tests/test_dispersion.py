@@ -1,0 +1,124 @@
+"""The cylinder's stability against the paper's formulas, brute force, and its large-L limits."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.dispersion import branch_points
+from pearlbvp.theory.dispersion import (
+    critical_lambda2,
+    critical_wave_number,
+    growth_rate,
+    long_tube_interval,
+    stable_interval,
+)
+
+C0 = st.floats(-2, 1.5)
+
+
+def paper_growth_rate(k, n, lambda2, c0):
+    """Paper, eq. (eigs), r = 1."""
+    q = k**2 + n**2
+    return -(q**2) / 2 + (lambda2 + 1) * q - (lambda2 + 0.5) - (1 - 2 * c0) * k**2
+
+
+@given(st.floats(0, 3), st.integers(0, 5), st.floats(-3, 3), C0)
+def test_growth_rate_is_the_paper_s(k, n, lambda2, c0):
+    assert growth_rate(k, n, lambda2, c0) == pytest.approx(paper_growth_rate(k, n, lambda2, c0), abs=1e-10)
+
+
+@given(st.floats(0.05, 3), st.integers(0, 5), C0)
+def test_growth_rate_vanishes_at_the_critical_lambda2(k, n, c0):
+    critical = float(critical_lambda2(k, n, c0))
+    if math.isfinite(critical) and abs(critical) < 1e6:
+        assert growth_rate(k, n, critical, c0) == pytest.approx(0, abs=1e-9 * (1 + abs(critical)))
+
+
+@given(C0, st.floats(3, 90))
+def test_stable_interval_is_where_no_mode_grows(c0, length):
+    tube = Tube(c0, length)
+    interval = stable_interval(tube)
+    m, n = np.arange(0, int(2 * length) + 10)[:, None], np.arange(0, 8)[None, :]
+    modes = (m > 0) | (n > 1)
+
+    def worst(lambda2):
+        return growth_rate(2 * np.pi * m / length, n, lambda2, c0)[modes].max()
+
+    if not interval.exists:
+        for lambda2 in np.linspace(-4, 4, 41):
+            assert worst(lambda2) > -1e-12
+        return
+    low = max(interval.lower, interval.upper - 5)
+    eps = 1e-6 * (interval.upper - low)
+    assert worst(interval.upper - eps) < 0
+    assert worst(interval.upper + eps) > 0
+    if interval.lower_mode is not None:
+        eps = 1e-6 * (interval.upper - interval.lower)
+        assert worst(interval.lower + eps) < 0
+        assert worst(interval.lower - eps) > 0
+
+
+@pytest.mark.parametrize("c0", [-1.0, -0.25, 0.0, 0.25, 0.3, 0.48, 0.499])
+def test_long_tubes_tend_to_the_corollary(c0):
+    lower, upper = long_tube_interval(c0)
+    interval = stable_interval(Tube(c0, 2e4))
+    assert interval.lower == pytest.approx(lower, abs=2e-4)
+    assert interval.upper == pytest.approx(upper, abs=2e-6)
+
+
+def test_the_corollary_s_own_formulas():
+    # (a) kappa_- = 1 - sqrt(2 - 4 c0), lambda2_cb = 1 - 2 c0; (b) -1/2; (c) 3/2
+    kappa = 1 - math.sqrt(2 - 4 * 0.48)
+    assert critical_wave_number(0.48) == pytest.approx(math.sqrt(kappa))
+    assert long_tube_interval(0.48) == pytest.approx(((kappa**2 - 4 * 0.48 * kappa + 1) / 2 / (kappa - 1), 0.04))
+    assert long_tube_interval(0.0) == pytest.approx((-0.5, 1.0))
+    assert long_tube_interval(-0.6) == pytest.approx((-0.5, 1.5))
+    assert stable_interval(Tube(-0.6, 100)).upper_mode == (0, 2)
+    lower, upper = long_tube_interval(0.51)
+    assert lower > upper
+
+
+def test_values_that_the_paper_quotes():
+    # §5: c0 = 0.48, L = 15: -0.243 (m = 2), -0.421 (m = 1); errata: coiling at 0.12773; c0 = -1, L = 10: -2.2595.
+    assert float(critical_lambda2(4 * np.pi / 15, 0, 0.48)) == pytest.approx(-0.2432, abs=5e-5)
+    assert float(critical_lambda2(2 * np.pi / 15, 0, 0.48)) == pytest.approx(-0.4208, abs=5e-5)
+    assert float(critical_lambda2(2 * np.pi / 15, 1, 0.48)) == pytest.approx(0.12773, abs=5e-6)
+    assert float(critical_lambda2(2 * np.pi / 10, 0, -1.0)) == pytest.approx(-2.2595, abs=5e-5)
+    assert float(critical_lambda2(2 * np.pi / 10, 1, -1.0)) == pytest.approx(3.197, abs=5e-4)
+    assert float(critical_lambda2(0, 2, 7.0)) == 1.5
+
+
+@pytest.mark.parametrize(("length", "exists"), [(30.0, False), (6.0, True)])
+def test_above_one_half_only_short_tubes_are_stable(length, exists):
+    assert stable_interval(Tube(0.6, length)).exists is exists
+
+
+def test_table_names_the_ends_and_kernels():
+    table = branch_points(0.48, 30)
+    lower, upper = table[table.role == "lower"].iloc[0], table[table.role == "upper"].iloc[0]
+    assert (lower.m, lower.n, lower.type, lower.kernel) == (4, 0, "pearling", 2)
+    assert (upper.m, upper.n, upper.type, upper.kernel) == (1, 1, "coiling/buckling", 4)
+    assert table.lambda2.is_monotonic_increasing
+    np.testing.assert_allclose(table.lambda1, 0.25 - table.lambda2 - 0.48**2)
+    assert set(table[(table.m == 0)].type) == {"wrinkling"}
+    assert (branch_points(0.6, 30).role == "").all()
+
+
+def test_modes_that_meet_share_their_kernel():
+    # c0 = -1/4 - k^2/4: coiling (1,1) at k^2/2 + 1 - 2 c0 meets wrinkling (0,2) at 3/2 for k^2 = 1/2 + 2 (c0 + ...)
+    length = 10.0
+    k = 2 * np.pi / length
+    table = branch_points((k**2 / 2 - 0.5) / 2, length)
+    meeting = table[np.isclose(table.lambda2, 1.5)]
+    assert list(meeting.kernel) == [6, 6]
+
+
+@pytest.mark.parametrize("arguments", [{"max_m": -1}, {"max_n": -2}])
+def test_negative_wave_counts(arguments):
+    with pytest.raises(InputError, match="max_m"):
+        branch_points(0.0, 10.0, **arguments)
