@@ -101,6 +101,7 @@ def _write(table: pd.DataFrame, out: Path | None, plot: Path | None, draw: Calla
 
     if out is None:
         sys.stdout.write(table.to_csv(index=False, float_format="%.12g"))
+        sys.stdout.flush()
     else:
         write_whole("--out", out, lambda path: table.to_csv(path, index=False, float_format="%.12g"))
     if plot is not None:
@@ -133,7 +134,9 @@ def cli() -> None:
 @click.option("--max-m", type=int, help="Most waves along the tube.  [default: all pearls with k < 1 and two more]")
 @click.option("--max-n", type=int, default=4, show_default=True, help="Most waves around the tube.")
 @_outputs
-def dispersion(c0: float, length: float, max_m: int | None, max_n: int, out: Path | None, plot: Path | None, radius: float) -> int:  # fmt: skip
+def dispersion(
+    c0: float, length: float, max_m: int | None, max_n: int, out: Path | None, plot: Path | None, radius: float
+) -> int:
     """Branch points of the straight tube, and which of them end its stable interval.
 
     Columns: m, n (waves along and around), k, type, lambda2, lambda1, kernel (its dimension without
@@ -154,14 +157,24 @@ def dispersion(c0: float, length: float, max_m: int | None, max_n: int, out: Pat
     return _write(in_units_of_radius(table, radius), out, plot, draw)
 
 
-@cli.command(epilog="Example:  pearlbvp localized --c0 0.48 --period 7.5 --lengths 15,30,45,60 --out t.csv --plot t.png")
+@cli.command(
+    epilog="Example:  pearlbvp localized --c0 0.48 --period 7.5 --lengths 15,30,45,60 --out t.csv --plot t.png"
+)
 @click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
 @click.option("--period", type=Number(), required=True, metavar="P", help="Axial period of the pearls, above 2 pi.")
 @click.option("--lengths", type=Numbers(), required=True, help="Tube lengths, multiples of the period.")
 @click.option("--compare", type=click.Path(path_type=Path), metavar="FILE.csv",
               help="Put this table's columns beside the rows that agree in c0, period and L; v_... is drawn too.")  # fmt: skip
 @_outputs
-def localized(c0: float, period: float, lengths: list[float], compare: Path | None, out: Path | None, plot: Path | None, radius: float) -> int:  # fmt: skip
+def localized(
+    c0: float,
+    period: float,
+    lengths: list[float],
+    compare: Path | None,
+    out: Path | None,
+    plot: Path | None,
+    radius: float,
+) -> int:
     """Where periodic pearls give way to one localized pearl, for many lengths at once.
 
     Columns: c0, period, L, pearls, status, lambda1, lambda2, v, E, amplitude, message. Status is found,
@@ -196,7 +209,9 @@ def localized(c0: float, period: float, lengths: list[float], compare: Path | No
 @click.option("--lengths", type=Numbers(), required=True, help="Tube lengths.")
 @click.option("--processes", type=click.IntRange(min=1), help="How many to use.  [default: one a core]")
 @_outputs
-def period(c0: list[float], lengths: list[float], processes: int | None, out: Path | None, plot: Path | None, radius: float) -> int:  # fmt: skip
+def period(
+    c0: list[float], lengths: list[float], processes: int | None, out: Path | None, plot: Path | None, radius: float
+) -> int:
     """The pearl period that appears on a tube, its stable range, and where a localized pearl takes over.
 
     Columns: c0, L, pearls, period, k, status, lambda2_pearl and lambda2_upper (ends of the straight tube's
@@ -239,6 +254,10 @@ def main(arguments: list[str] | None = None) -> None:
         print("pearlbvp: interrupted", file=sys.stderr)
         status = INTERRUPTED
     except BrokenPipeError:  # the reader of our standard output has had enough
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = DONE
+    except OSError as error:
+        print(f"pearlbvp: standard output: {error.strerror}; free space or use --out", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = UNUSABLE
     sys.exit(status or DONE)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import event
@@ -18,13 +18,13 @@ def compiled(function: F) -> F:
     Where neither the package's folder nor the user's cache can be written, the function is compiled in each process.
     """
     try:
-        dispatcher: F = numba.njit(cache=True, error_model="numpy")(function)
+        dispatcher: Any = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # numba's "no locator available": there is nowhere to keep the cache
         dispatcher = numba.njit(error_model="numpy")(function)
-    return dispatcher
+    return cast(F, dispatcher)
 
 
-class _Announcement(event.Listener):  # type: ignore[misc]
+class _Announcement(event.Listener):
     """Says once a process, on standard error, that our loops are being compiled. Silent when they come from disk."""
 
     def __init__(self) -> None:

@@ -48,7 +48,9 @@ def write_whole(name: str, path: Path, write: Callable[[Path], None]) -> None:
         temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
     except OSError as error:
-        raise InputError(f"{name}: {path} could not be written ({error.strerror or error}); free space or choose another place") from None
+        raise InputError(
+            f"{name}: {path} could not be written ({error.strerror or error}); free space or choose another place"
+        ) from None
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)

@@ -46,6 +46,8 @@ def parse_numbers(name: str, text: str) -> list[float]:
         if (stop - start) / step > MOST:
             raise InputError(f"{name}: {item.strip()!r} has more than {MOST} numbers; take a larger step")
         if (stop - start) % step != 0:
-            raise InputError(f"{name}: {item.strip()!r} steps past its end {stop}; choose a step that divides the range")
+            raise InputError(
+                f"{name}: {item.strip()!r} steps past its end {stop}; choose a step that divides the range"
+            )
         numbers.extend(float(start + i * step) for i in range(int((stop - start) / step) + 1))
     return numbers

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.pearl import pearling_onset
 
 
-@lru_cache(maxsize=None)
+@cache
 def path(c0, period, v_end, tolerance=1e-9, degree=6):
     problem, u, tangent = pearling_onset(Tube(c0, period), tolerance=tolerance, degree=degree)
     start = Point(problem, u, tangent, problem.observables(u))
@@ -29,6 +29,8 @@ def at(followed, name, value):
     direction = np.zeros_like(near.u)
     place = near.u.size - len(free) + free.index(name)
     direction[place] = 1.0
-    result, _ = correct(near.problem, near.u, direction, near.u, value - near.u[place], NewtonOptions(max_iterations=20))
+    result, _ = correct(
+        near.problem, near.u, direction, near.u, value - near.u[place], NewtonOptions(max_iterations=20)
+    )
     assert result.converged, result.message
     return near.problem, result.u

@@ -11,7 +11,9 @@ from scipy.integrate import solve_ivp
 from pearlbvp.shapes import axisymmetric
 
 STATE = st.tuples(st.floats(0.3, 2), st.floats(-2, 2), st.floats(-1, 2), st.floats(-1, 1))
-PARAMETERS = st.tuples(*[st.floats(0.5, 3), st.floats(-2, 2), st.floats(-2, 2), st.floats(-1, 1), st.floats(3, 9), st.floats(0.5, 1.5)])
+PARAMETERS = st.tuples(
+    *[st.floats(0.5, 3), st.floats(-2, 2), st.floats(-2, 2), st.floats(-1, 1), st.floats(3, 9), st.floats(0.5, 1.5)]
+)
 
 
 @given(STATE, PARAMETERS)
@@ -33,7 +35,9 @@ def test_jacobians_against_central_differences(state, parameters):
 @pytest.mark.parametrize("start", [(1.0, 0.3, 0.5, 0.1), (0.7, -0.5, 0.9, -0.2), (1.3, 0.0, 0.2, 0.4)])
 def test_axial_force_is_conserved_along_any_solution(start):
     p = np.array([1.0, 0.4, -0.6, 0.3, 1.0, 1.0])
-    solved = solve_ivp(lambda t, y: axisymmetric.rhs(np.array([t]), y[None], p)[0], (0, 1.5), start, rtol=1e-12, atol=1e-13)
+    solved = solve_ivp(
+        lambda t, y: axisymmetric.rhs(np.array([t]), y[None], p)[0], (0, 1.5), start, rtol=1e-12, atol=1e-13
+    )
     force = axisymmetric.axial_force(solved.y.T, p)
     assert np.ptp(solved.y[0]) > 0.05
     np.testing.assert_allclose(force, force[0], atol=1e-10)

@@ -50,7 +50,9 @@ def test_localized_writes_the_contract_s_columns(capsys, tmp_path):
 
 
 def test_period(capsys, tmp_path):
-    status, out, err = run(capsys, "period", "--c0", "0.3,0.48", "--lengths", "15,16", "--plot", str(tmp_path / "p.png"))
+    status, out, err = run(
+        capsys, "period", "--c0", "0.3,0.48", "--lengths", "15,16", "--plot", str(tmp_path / "p.png")
+    )
     assert (status, err) == (0, "")
     table = pd.read_csv(io.StringIO(out))
     assert list(table.columns[:11]) == ["c0", "L", "pearls", "period", "k", "status", "lambda2_pearl", "lambda2_upper",
@@ -122,16 +124,20 @@ def test_failed_rows_are_written_and_said(capsys, monkeypatch):
     assert "1 of 1 rows failed" in err
 
 
-def test_a_full_disk_is_one_line_and_no_file():
-    if not os.path.exists("/dev/full"):
-        return  # only some systems have a device that is always full
-    process = subprocess.run(
-        [sys.executable, "-m", "pearlbvp", "dispersion", "--c0", "0", "--length", "10"],
-        stdout=open("/dev/full", "w"), stderr=subprocess.PIPE, text=True, check=False,
-    )  # fmt: skip
-    assert process.returncode == 2
+@pytest.mark.parametrize("arguments", [[], ["--out"]])
+def test_a_full_disk_is_one_line_and_no_file(arguments, tmp_path):
+    """A file system with no room: standard output on /dev/full, or files limited to no bytes at all."""
+    command = [sys.executable, "-m", "pearlbvp", "dispersion", "--c0", "0", "--length", "10"]
+    if arguments:
+        limited = f"ulimit -f 0; trap '' XFSZ; exec {' '.join(command)} --out {tmp_path / 't.csv'}"
+        process = subprocess.run(["bash", "-c", limited], capture_output=True, text=True, check=False)
+    else:
+        with open("/dev/full", "w") as full:
+            process = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert process.returncode == 2, process.stderr
     assert process.stderr.count("\n") == 1
-    assert "No space left" in process.stderr
+    assert "space" in process.stderr
+    assert os.listdir(tmp_path) == []
 
 
 def test_help_has_examples():

@@ -47,7 +47,9 @@ def start(problem, u, tangent):
 
 def test_circle_is_followed_through_both_folds():
     first = start(CIRCLE, [1, 0], [0, 1])
-    path = follow(first, PathOptions(step=0.1, max_step=0.3), lambda p: "round" if 0 > p.u[1] > -0.9 and p.u[0] > 0 else None)
+    path = follow(
+        first, PathOptions(step=0.1, max_step=0.3), lambda p: "round" if 0 > p.u[1] > -0.9 and p.u[0] > 0 else None
+    )
     assert path.complete
     angles = np.unwrap([math.atan2(p.u[1], p.u[0]) for p in path.points])
     assert (np.diff(angles) > 0).all()
@@ -65,7 +67,9 @@ def test_branch_of_a_pitchfork_is_left_along_its_tangent():
 
 def test_a_path_that_ends_says_why():
     cusp = Curve(lambda x, y: y**2 - x**3 - 1e-14, lambda x, y: np.array([-3 * x**2, 2 * y]))
-    path = follow(start(cusp, [1, 1], np.array([-2, -3]) / math.sqrt(13)), PathOptions(step=0.1, min_step=1e-3), lambda p: None)
+    path = follow(
+        start(cusp, [1, 1], np.array([-2, -3]) / math.sqrt(13)), PathOptions(step=0.1, min_step=1e-3), lambda p: None
+    )
     assert not path.complete
     assert "min_step" in path.reason
 
@@ -77,7 +81,9 @@ def test_max_points_is_a_reason_too():
 
 
 def test_functions_along_the_circle_are_resolved_to_rounding():
-    path = follow(start(CIRCLE, [1, 0], [0, 1]), PathOptions(step=0.1, max_step=0.3), lambda p: "far" if p.u[0] < -0.9 else None)
+    path = follow(
+        start(CIRCLE, [1, 0], [0, 1]), PathOptions(step=0.1, max_step=0.3), lambda p: "far" if p.u[0] < -0.9 else None
+    )
     functions = resolve(path.points, lambda problem, u: np.array([u[0], u[1], math.atan2(u[1], u[0])]), tolerance=1e-12)
     (x,) = functions.crossings(0)  # the circle's top
     np.testing.assert_allclose(functions(np.array([x]))[0], [0, 1, math.pi / 2], atol=1e-11)
@@ -97,7 +103,9 @@ def test_at_a_pitchfork_even_functions_are_polynomials_of_the_square():
 
 
 def test_a_kink_between_two_points_is_unresolved():
-    path = follow(start(CIRCLE, [1, 0], [0, 1]), PathOptions(step=0.3, max_step=0.3), lambda p: "far" if p.u[0] < 0.5 else None)
+    path = follow(
+        start(CIRCLE, [1, 0], [0, 1]), PathOptions(step=0.3, max_step=0.3), lambda p: "far" if p.u[0] < 0.5 else None
+    )
     with pytest.raises(Unresolved, match="shorter steps"):
         resolve(path.points, lambda problem, u: np.array([abs(u[1] - 0.2)]))
 

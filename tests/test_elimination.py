@@ -34,7 +34,9 @@ def dense(scheme, system):
     return np.vstack((*rows, boundary, borders))
 
 
-@pytest.mark.parametrize(("m", "n", "intervals", "k", "b"), [(2, 3, 1, 1, 3), (3, 2, 5, 2, 2), (4, 4, 7, 4, 4), (5, 1, 3, 0, 0)])
+@pytest.mark.parametrize(
+    ("m", "n", "intervals", "k", "b"), [(2, 3, 1, 1, 3), (3, 2, 5, 2, 2), (4, 4, 7, 4, 4), (5, 1, 3, 0, 0)]
+)
 def test_agrees_with_the_dense_matrix(m, n, intervals, k, b):
     rng = np.random.default_rng(m)
     scheme = gauss_scheme(m)

@@ -38,7 +38,7 @@ def test_the_paper_s_table_as_corrected(table):
 @pytest.mark.parametrize(("length", "pearls_"), [(15, 2), (30, 4), (45, 6), (60, 8)])
 def test_bloch_finds_the_same_lambda2_to_1e_8(table, length, pearls_):
     """The zero of the Bloch growth rate at ``theta = 2 pi / N``, by another operator, coordinate and discretization."""
-    row = table[table.L == length].iloc[0]
+    row = table[length == table.L].iloc[0]
     followed = pearls.path(0.48, 7.5, 1.03)
 
     def growth(lambda2):
@@ -73,10 +73,14 @@ def test_on_two_cells_the_discretized_problem_is_singular_there(table):
         profile = problem.profile(u).mirrored()
         one = problem.discretization.all_parameters(u)
         parameters = np.array([2 * one[0], one[1], lambda2, one[3], 2 * one[4], one[5]])
-        d = Discretization(HALF_CELL, profile.states.scheme, profile.states.mesh, parameters, ("arclength", "lambda1", "v"))
+        d = Discretization(
+            HALF_CELL, profile.states.scheme, profile.states.mesh, parameters, ("arclength", "lambda1", "v")
+        )
         load = np.zeros(d.size)
         load[: len(d.gauss_points) * 4 : 4] = np.sin(np.pi * d.gauss_points)
-        wave = d.pack(np.column_stack([np.cos(np.pi * profile.states.points)] + 3 * [0 * profile.states.points]), np.zeros(6))
+        wave = d.pack(
+            np.column_stack([np.cos(np.pi * profile.states.points)] + 3 * [0 * profile.states.points]), np.zeros(6)
+        )
         response = d.solve(d.pack(profile.states.values, parameters), load)
         return 1 / d.inner(wave, response)
 

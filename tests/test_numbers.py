@@ -30,7 +30,9 @@ def test_numbers_survive_the_round_trip(values):
     assert parse_numbers("x", ",".join(map(repr, values))) == values
 
 
-@pytest.mark.parametrize("text", ["", " ", "a", "1,", "nan", "inf,2", "1:2", "1:2:0", "1:2:-1", "1:2:0.3", "0:1e9:1", "1:2:3:4", "1;2"])
+@pytest.mark.parametrize(
+    "text", ["", " ", "a", "1,", "nan", "inf,2", "1:2", "1:2:0", "1:2:-1", "1:2:0.3", "0:1e9:1", "1:2:3:4", "1;2"]
+)
 def test_mistakes_name_the_argument(text):
     with pytest.raises(InputError, match="^--lengths: ") as raised:
         parse_numbers("--lengths", text)

@@ -67,7 +67,9 @@ def test_full_cell_agrees_with_the_half_cell_and_its_unfolding_stays_at_rest():
     disturbed[guess.size - len(names) + names.index("lambda2")] += 1e-3
     result, _ = correct(problem, disturbed, direction, guess, 0.0, NewtonOptions(max_iterations=20))
     assert result.converged, result.message
-    parameters = dict(zip(problem.discretization.problem.parameters, problem.discretization.all_parameters(result.u), strict=True))
+    parameters = dict(
+        zip(problem.discretization.problem.parameters, problem.discretization.all_parameters(result.u), strict=True)
+    )
     assert abs(parameters["drag"]) < 1e-11
     expected, observed = half.observables(u), problem.observables(result.u)
     for name in ("lambda1", "lambda2", "E", "amplitude"):
@@ -122,7 +124,10 @@ def test_collocation_order_on_pearls():
     for intervals in meshes:
         problem, cylinder, _ = pearling_onset(Tube(0.0, 10.0), degree=3, intervals=intervals)
         d = problem.discretization
-        guess = d.pack(reference.discretization.polynomial(u)(np.linspace(0, 1, 3 * intervals + 1)), np.append(reference.discretization.all_parameters(u)[:5], 1.1))
+        guess = d.pack(
+            reference.discretization.polynomial(u)(np.linspace(0, 1, 3 * intervals + 1)),
+            np.append(reference.discretization.all_parameters(u)[:5], 1.1),
+        )
         guess[: d.size - 4] = reference.discretization.polynomial(u)(d.polynomial(cylinder).points).ravel()
         fixed = replace(d, parameters=np.append(d.parameters[:5], 1.1), free=("arclength", "lambda1", "lambda2"))
         result = newton(fixed.residual, fixed.solve, guess[:-1], NewtonOptions(max_iterations=20))

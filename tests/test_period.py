@@ -67,7 +67,9 @@ def test_an_interrupted_scan_keeps_its_rows(monkeypatch, capsys):
     assert "1 of 2 rows" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("c0", "lengths", "name"), [(0.48, [], "lengths"), ([], [10], "lengths"), ("x", [10], "c0"), (0.48, [0], "length")])
+@pytest.mark.parametrize(
+    ("c0", "lengths", "name"), [(0.48, [], "lengths"), ([], [10], "lengths"), ("x", [10], "c0"), (0.48, [0], "length")]
+)
 def test_mistakes(c0, lengths, name):
     with pytest.raises(InputError, match=f"^{name}: "):
         pearl_periods(c0, lengths)

@@ -117,7 +117,13 @@ def test_second_variation_is_the_second_derivative_of_the_energy():
         return np.mean(density + profile.lambda2 * np.pi * radius**2 * x1)
 
     eps = 2e-3
-    second = (-free_energy(2 * eps) + 16 * free_energy(eps) - 30 * free_energy(0) + 16 * free_energy(-eps) - free_energy(-2 * eps)) / (12 * eps**2)
+    second = (
+        -free_energy(2 * eps)
+        + 16 * free_energy(eps)
+        - 30 * free_energy(0)
+        + 16 * free_energy(-eps)
+        - free_energy(-2 * eps)
+    ) / (12 * eps**2)
     first = (-free_energy(2 * eps) + 8 * free_energy(eps) - 8 * free_energy(-eps) + free_energy(-2 * eps)) / (12 * eps)
     scaled = r * w
     expected = -(scaled @ variation.matrix(0, 0.0).real @ scaled) * 2 * np.pi * total / count

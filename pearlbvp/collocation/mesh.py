@@ -30,7 +30,9 @@ def derivative_estimate(solution: PiecewisePolynomial) -> Array:
 def error_estimate(solution: PiecewisePolynomial) -> Array:
     """Estimated largest error on each interval, relative to one plus the solution's size: shape (N,)."""
     m = solution.scheme.m
-    return np.asarray(solution.scheme.error_constant * np.diff(solution.mesh) ** (m + 1) * derivative_estimate(solution))
+    return np.asarray(
+        solution.scheme.error_constant * np.diff(solution.mesh) ** (m + 1) * derivative_estimate(solution)
+    )
 
 
 def equidistribute(solution: PiecewisePolynomial, intervals: int) -> Array:

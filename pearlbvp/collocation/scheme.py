@@ -8,7 +8,7 @@ Source: U. Ascher, R. Mattheij, R. Russell, Numerical Solution of Boundary Value
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -76,7 +76,7 @@ class Scheme:
     error_constant: float
 
 
-@lru_cache(maxsize=None)
+@cache
 def gauss_scheme(m: int) -> Scheme:
     """The collocation scheme with ``m`` Gauss points an interval, of order ``2m`` at the mesh points.
 

@@ -105,5 +105,7 @@ def solve_bvp(
         if intervals > max_intervals:
             break
         discretization, (u,) = discretization.on_mesh(equidistribute(discretization.polynomial(u), intervals), u)
-    message = f"the error estimate stays at {error:.1e} with {len(discretization.h)} intervals; raise m or max_intervals"
+    message = (
+        f"the error estimate stays at {error:.1e} with {len(discretization.h)} intervals; raise m or max_intervals"
+    )
     return BoundaryValueSolution(False, message, discretization, u, error, iterations)

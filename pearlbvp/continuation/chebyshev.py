@@ -10,17 +10,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from pearlbvp.continuation.path import Point, correct
-from pearlbvp.continuation.problem import Array, Problem
+from pearlbvp.continuation.path import P, Point, correct
+from pearlbvp.continuation.problem import Array
 from pearlbvp.newton import NewtonOptions
 
-Function = Callable[[Problem, Array], Array]
+Function = Callable[[P, Array], Array]
 
 
 class Unresolved(ArithmeticError):
@@ -68,7 +68,7 @@ class PathFunctions:
         return np.asarray(found)
 
 
-@lru_cache(maxsize=None)
+@cache
 def _to_coefficients(degree: int) -> Array:
     """Matrix from values at the points ``cos(pi j / degree)``, ``j = degree .. 0``, to Chebyshev coefficients."""
     j = np.arange(degree + 1)
@@ -88,7 +88,7 @@ def _interpolate(at: float, known: dict[float, Array]) -> Array:
 
 
 def _resolve_piece(
-    points: Sequence[Point], function: Function, tolerance: float, pitchfork: bool, max_degree: int
+    points: Sequence[Point[P]], function: Function[P], tolerance: float, pitchfork: bool, max_degree: int
 ) -> tuple[Array, float, int]:
     """Chebyshev coefficients on one piece, what they leave unresolved, and the number of solutions computed.
 
@@ -131,8 +131,8 @@ def _resolve_piece(
 
 
 def resolve(
-    points: Sequence[Point],
-    function: Function,
+    points: Sequence[Point[P]],
+    function: Function[P],
     *,
     tolerance: float = 1e-11,
     pitchfork: bool = False,

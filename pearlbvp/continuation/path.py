@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -36,11 +37,16 @@ class PathOptions:
 
     def __post_init__(self) -> None:
         if not 0 < self.min_step <= self.step <= self.max_step:
-            raise ValueError(f"step: need 0 < min_step <= step <= max_step, not {self.min_step, self.step, self.max_step}")
+            raise ValueError(
+                f"step: need 0 < min_step <= step <= max_step, not {self.min_step, self.step, self.max_step}"
+            )
+
+
+P = TypeVar("P", bound=Problem)
 
 
 @dataclass(frozen=True)
-class Point:
+class Point(Generic[P]):
     """A solution on a path.
 
     Attributes:
@@ -51,7 +57,7 @@ class Point:
         iterations: Newton iterations that it took.
     """
 
-    problem: Problem
+    problem: P
     u: Array
     tangent: Array
     observables: dict[str, float]
@@ -59,7 +65,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Path:
+class Path(Generic[P]):
     """Consecutive points and why there are no more.
 
     Attributes:
@@ -68,13 +74,14 @@ class Path:
         complete: whether it ended because ``stop`` said so.
     """
 
-    points: list[Point]
+    points: list[Point[P]]
     reason: str
     complete: bool
 
 
-def correct(problem: Problem, guess: Array, direction: Array, base: Array, distance: float,
-            options: NewtonOptions) -> tuple[NewtonResult, Array]:
+def correct(
+    problem: Problem, guess: Array, direction: Array, base: Array, distance: float, options: NewtonOptions
+) -> tuple[NewtonResult, Array]:
     """Newton's method on ``residual(u) = 0, inner(direction, u - base) = distance``.
 
     Returns:
@@ -96,7 +103,7 @@ def correct(problem: Problem, guess: Array, direction: Array, base: Array, dista
     return newton(residual, solve, guess, options), tangent
 
 
-def follow(start: Point, options: PathOptions, stop: Callable[[Point], str | None]) -> Path:
+def follow(start: Point[P], options: PathOptions, stop: Callable[[Point[P]], str | None]) -> Path[P]:
     """Follow the path from ``start`` along its tangent until ``stop`` returns a reason or it cannot go on.
 
     The start may be a simple bifurcation point with the tangent of the branch wanted. Consecutive tangents enclose less
@@ -106,12 +113,9 @@ def follow(start: Point, options: PathOptions, stop: Callable[[Point], str | Non
     point = start
     while len(points) < options.max_points:
         problem, inner = point.problem, point.problem.inner
-        result, tangent = correct(
-            problem, point.u + step * point.tangent, point.tangent, point.u, step, options.newton
-        )
+        result, tangent = correct(problem, point.u + step * point.tangent, point.tangent, point.u, step, options.newton)
         if result.converged:
             tangent = tangent / math.sqrt(inner(tangent, tangent))
-            # At a bifurcation point the branch may leave across its tangent's plane as a parabola: the first turn counts too.
             turn = math.degrees(math.acos(min(1.0, inner(tangent, point.tangent))))
         if not result.converged or turn > options.max_angle:
             why = result.message if not result.converged else f"the tangent turns by {turn:.0f} degrees"

@@ -12,7 +12,9 @@ COLOURS = ("#0b5394", "#c55a11", "#38761d", "#741b47", "#7f6000", "#444444")
 """Dark enough for print, distinct without colour vision in this order."""
 
 
-def new_figure(rows: int = 1, columns: int = 1, *, width: float = 7.0, height: float = 4.2, **options: Any) -> tuple[Figure, Any]:
+def new_figure(
+    rows: int = 1, columns: int = 1, *, width: float = 7.0, height: float = 4.2, **options: Any
+) -> tuple[Figure, Any]:
     """A figure that belongs to no window system, with its axes.
 
     Margins are fixed in inches: matplotlib's layout engines draw everything twice, which costs as long as a table.

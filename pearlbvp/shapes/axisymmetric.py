@@ -33,9 +33,7 @@ def rhs(t, y, p):  # type: ignore[no-untyped-def]
         f[i, 0] = length * np.sin(psi)
         f[i, 1] = length * (around - 2 * h)
         f[i, 2] = length * w
-        f[i, 3] = length * (
-            -b * w - 2 * h * (h - around) ** 2 - 2 * c0 * gauss + 2 * (c0**2 + lambda1) * h + lambda2
-        )
+        f[i, 3] = length * (-b * w - 2 * h * (h - around) ** 2 - 2 * c0 * gauss + 2 * (c0**2 + lambda1) * h + lambda2)
     return f
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 
@@ -172,7 +172,7 @@ class PearlProblem:
         return float(np.ptp(force))
 
 
-@lru_cache(maxsize=None)
+@cache
 def _uniform_mesh(intervals: int) -> Array:
     mesh = np.linspace(0.0, 1.0, intervals + 1)
     mesh.flags.writeable = False

@@ -107,9 +107,7 @@ class SecondVariation:
         bending = laplacian / self.r[:, None] + np.diag(self.q * self.r)  # r (Lap w + Q w)
         value = self.r**2 * self.by_value + n**2 * self.by_n
         form = (
-            -0.5 * bending.conj().T @ bending
-            + slope.conj().T @ (self.by_slope[:, None] * slope)
-            + np.diag(value)
+            -0.5 * bending.conj().T @ bending + slope.conj().T @ (self.by_slope[:, None] * slope) + np.diag(value)
         ) / np.outer(self.r, self.r)
         hermitian: NDArray[np.complex128] = (form + form.conj().T) / 2
         return hermitian

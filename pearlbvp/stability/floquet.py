@@ -45,9 +45,9 @@ def jacobi_matrices(profile: Profile, n: int, mu: float = 0.0) -> Array:
 def multipliers(profile: Profile, n: int, mu: float = 0.0) -> NDArray[np.complex128]:
     """The four Floquet multipliers over one period at growth rate ``mu``, sorted by modulus, shape (4,).
 
-    At ``mu = 0`` translation along the axis gives a double multiplier 1 at ``n = 0``, translations across it at ``n = 1``. A double
-    multiplier is found to the square root of rounding only; ``neutral_cosines`` has no such loss. The QZ method on
-    the pencil keeps those on the unit circle accurate where others grow like ``e^{n S}``.
+    At ``mu = 0`` translation along the axis gives a double multiplier 1 at ``n = 0``, translations across it at
+    ``n = 1``. A double multiplier is found to the square root of rounding only; ``neutral_cosines`` has no such loss.
+    The QZ method on the pencil keeps those on the unit circle accurate where others grow like ``e^{n S}``.
     """
     from scipy.linalg import eigvals  # scipy.linalg costs a sixth of a second to import, and only this needs it
 

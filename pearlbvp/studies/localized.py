@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation import Path, PathOptions, Point, follow
 from pearlbvp.continuation.chebyshev import PathFunctions, Unresolved, resolve
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, positive
 from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
@@ -45,10 +45,10 @@ def _functions(problem: PearlProblem, u: Array) -> Array:
     return np.array([*(observed[name] for name in _FUNCTIONS[:4]), ((radii[0] - radii[1]) / 2) ** 2, cosine])
 
 
-def _non_axisymmetric_wave(point: Point) -> int | None:
+def _non_axisymmetric_wave(point: Point[PearlProblem]) -> int | None:
     """The smallest ``n`` of 1, 2 with a neutral Bloch wave at a point of the path, if any."""
     for n in (1, 2):
-        cosines = neutral_cosines(point.problem.profile(point.u), n)  # type: ignore[attr-defined]
+        cosines = neutral_cosines(point.problem.profile(point.u), n)
         others = cosines[1:] if n == 1 else cosines
         if (np.abs(others.imag) > 1e-9 * np.abs(others)).any() or (np.abs(others.real) <= 2).any():
             return n
@@ -68,7 +68,7 @@ class PeriodicPearls:
 
     c0: float
     period: float
-    path: Path
+    path: Path[PearlProblem]
     functions: PathFunctions
     others: tuple[int, int] | None
 
@@ -91,8 +91,8 @@ class PeriodicPearls:
         goal = 2 * math.cos(2 * math.pi / fewest)
         problem, u, tangent = pearling_onset(tube, intervals=intervals, degree=degree)
 
-        def stop(point: Point) -> str | None:
-            if neutral_cosines(point.problem.profile(point.u), 0)[1].real < goal:  # type: ignore[attr-defined]
+        def stop(point: Point[PearlProblem]) -> str | None:
+            if neutral_cosines(point.problem.profile(point.u), 0)[1].real < goal:
                 return "unstable"
             return "neck" if point.observables["r_min"] < THINNEST_NECK else None
 
@@ -135,10 +135,15 @@ class PeriodicPearls:
             return _no(f"the pearls lose stability to a wave of n = {n} before any localized pearl branches off")
         if found is None:
             if not self.path.complete:
-                return {"status": "failed", "message": f"the pearls could not be followed far enough: {self.path.reason}"}
+                return {
+                    "status": "failed",
+                    "message": f"the pearls could not be followed far enough: {self.path.reason}",
+                }
             return _no(f"the pearls stay stable until their necks are thinner than {THINNEST_NECK}")
         if found[1] != 1:
-            return _no(f"the pearls lose stability to a wave of {found[1]} periods on the tube, not to one localized pearl")
+            return _no(
+                f"the pearls lose stability to a wave of {found[1]} periods on the tube, not to one localized pearl"
+            )
         values = dict(zip(_FUNCTIONS, map(float, self.functions(np.array([x]))[0]), strict=True))
         values["amplitude"] = math.sqrt(values["amplitude_squared"])
         return {"status": "found", **{name: values[name] for name in COLUMNS[5:10]}, "message": ""}
@@ -176,7 +181,10 @@ def onset_status(tube: Tube, pearls: int) -> dict[str, object] | None:
         return {"status": "no_stable_cylinder", "message": message}
     if interval.lower_mode != (pearls, 0):
         first = "none" if interval.lower_mode is None else f"{interval.lower_mode[0]} pearls"
-        return {"status": "unstable_at_onset", "message": f"the straight tube is unstable there already (first: {first})"}
+        return {
+            "status": "unstable_at_onset",
+            "message": f"the straight tube is unstable there already (first: {first})",
+        }
     return None
 
 
@@ -230,5 +238,5 @@ def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[
         elif status is None:
             status = curve.row(pearls) if curve is not None else {"status": "failed", "message": failure}
         row = {"c0": tube.c0, "period": period, "L": tube.length, "pearls": pearls, **status}
-        rows.append({name: row.get(name) for name in COLUMNS})
+        rows.append({name: row.get(name, math.nan) for name in COLUMNS})
     return rows

@@ -52,7 +52,7 @@ def scan(cases: list[tuple[float, float]], processes: int | None = None) -> Iter
         processes: how many to use; by default one a core, or none besides this one for a few cases. Each is kept to
             one BLAS thread.
     """
-    if processes == 1 or len(cases) < _FEWEST_FOR_PROCESSES and processes is None:
+    if processes == 1 or (len(cases) < _FEWEST_FOR_PROCESSES and processes is None):
         for case in cases:
             yield pearl_period(*case)
         return
