@@ -16,12 +16,13 @@ class NewtonOptions:
     """When Newton's method is content and when it gives up.
 
     Attributes:
-        tolerance: the last correction must be smaller (largest entry, relative to one plus the unknown's).
+        tolerance: for the error after the last correction (largest entry, relative to one plus the unknown's), as
+            quadratic convergence predicts it from the last two corrections.
         max_iterations: after these it gives up.
         damping: halve a correction up to this many times while the residual does not fall; 0 takes full steps.
     """
 
-    tolerance: float = 1e-9
+    tolerance: float = 1e-13
     max_iterations: int = 12
     damping: int = 0
 
@@ -53,8 +54,10 @@ def newton(
 ) -> NewtonResult:
     """Solve ``residual(u) = 0``; ``correct(u, f)`` returns ``J(u)^{-1} f``.
 
-    Convergence is quadratic, so the error after the last correction ``d`` is of size ``d**2``: a correction below
-    ``1e-9`` leaves rounding only.
+    Convergence is quadratic: after the correction ``d`` the error is ``C d**2``, with ``C = d / previous**2`` estimated
+    (P. Deuflhard, Newton Methods for Nonlinear Problems (Springer 2004), §2.1). The iteration ends when that is below
+    the tolerance, without computing one more correction to see it. A first correction alone tells nothing of ``C``; it
+    is taken as 1e4.
     """
     options = options or NewtonOptions()
     correction = np.inf
@@ -68,7 +71,8 @@ def newton(
             except np.linalg.LinAlgError as error:
                 return NewtonResult(u, False, iteration, correction, f"singular Jacobian ({error}); start elsewhere")
             previous, correction = correction, float(np.max(np.abs(step) / (1 + np.abs(u))))
-            if correction < options.tolerance:
+            rate = 1e4 if iteration == 1 else max(1.0, correction / previous**2)
+            if rate * correction**2 < options.tolerance:
                 return NewtonResult(u - step, True, iteration, correction)
             if options.damping == 0 and iteration > 2 and correction > 2 * previous:
                 return NewtonResult(u, False, iteration, correction, "Newton's method diverges; take a smaller step")

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from pearlbvp.collocation.elimination import LinearSystem, solve
-from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, local_values
+from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, apply_basis
 from pearlbvp.collocation.problem import BoundaryValueProblem
 from pearlbvp.collocation.scheme import Array, Scheme
 
@@ -51,6 +51,11 @@ class Discretization:
     def h(self) -> Array:
         """Lengths of the intervals, shape (N,)."""
         return np.diff(self.mesh)
+
+    @cached_property
+    def gauss_h(self) -> Array:
+        """Length of the interval of each collocation point, shape (N*m, 1)."""
+        return np.repeat(self.h, self.scheme.m)[:, None]
 
     @cached_property
     def gauss_points(self) -> Array:
@@ -94,8 +99,8 @@ class Discretization:
 
     def at_gauss_points(self, u: Array) -> Array:
         """The states at the collocation points, shape (N*m, n)."""
-        result: Array = self.scheme.values @ local_values(self.values(u), self.scheme.m)
-        return result.reshape(-1, self.n)
+        result: Array = apply_basis(self.scheme.values, self.values(u))
+        return result
 
     def residual(self, u: Array) -> Array:
         """Defects ``y' - f`` at the collocation points, then boundary conditions, then integrals: one row.
@@ -105,8 +110,8 @@ class Discretization:
         p = self.all_parameters(u)
         values = self.values(u)
         y = self.at_gauss_points(u)
-        slopes = self.scheme.derivatives @ local_values(values, self.scheme.m) / self.h[:, None, None]
-        defects = slopes.reshape(-1, self.n) - self.problem.rhs(self.gauss_points, y, p)
+        slopes = apply_basis(self.scheme.derivatives, values) / self.gauss_h
+        defects = slopes - self.problem.rhs(self.gauss_points, y, p)
         return np.concatenate(
             (
                 defects.ravel(),
@@ -141,10 +146,10 @@ class Discretization:
         by_y, by_p = self.problem.rhs_jacobian(t, y, p)
         at_start, at_end, boundary_p = self.problem.boundary_jacobian(values[0], values[-1], p)
         densities, integrals_p = self.problem.integrand_jacobian(t, y, p)
-        borders_p = np.einsum("g,gck->ck", self.gauss_weights, integrals_p)[:, free]
+        borders_p = np.tensordot(self.gauss_weights, integrals_p, 1)[:, free]
         if row is not None:
             densities = np.concatenate((densities, self.at_gauss_points(row)[:, None, :]), axis=1)
-            borders_p = np.vstack((borders_p, row[row.size - len(free) :]))
+            borders_p = np.concatenate((borders_p, row[None, row.size - len(free) :]))
         system = LinearSystem(
             h=self.h,
             jacobian=by_y,
@@ -157,8 +162,10 @@ class Discretization:
         points = len(t) * self.n
         defects = np.ascontiguousarray(columns[:points]).reshape(len(t), self.n, -1)
         solution, parameters = solve(self.scheme, system, defects, columns[points:])
-        sides = columns.shape[1]
-        return np.hstack((solution.reshape(sides, -1), parameters)).T.reshape(rhs.shape)
+        result = np.empty_like(columns)
+        result[: self.size - len(free)] = solution.reshape(columns.shape[1], -1).T
+        result[self.size - len(free) :] = parameters.T
+        return result.reshape(rhs.shape)
 
     def on_mesh(self, mesh: Array, *unknowns: Array) -> tuple[Discretization, list[Array]]:
         """The same problem on another mesh, with unknowns interpolated onto it."""

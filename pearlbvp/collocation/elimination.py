@@ -222,16 +222,17 @@ def solve(scheme: Scheme, system: LinearSystem, defects: Array, conditions: Arra
     pivots, chain, block, border = _condense(
         scheme.derivatives, scheme.values, scheme.weights, system.h, system.jacobian, extra, system.borders
     )
-    at_start, at_end, by_parameters = system.boundary
-    matrix = np.vstack(
-        (
-            block[:, : 2 * n + k],
-            np.hstack((at_start, at_end, by_parameters)),
-            border[:, : 2 * n + k] + np.hstack((np.zeros((len(border), 2 * n)), system.borders_p)),
-        )
-    )
-    known = np.vstack((block[:, 2 * n + k :], conditions))
-    known[len(known) - len(border) :] += border[:, 2 * n + k :]
+    ends = 2 * n + k
+    borders_from = ends - len(border)
+    matrix = np.empty((ends, ends))
+    matrix[:n] = block[:, :ends]
+    matrix[n:borders_from, :n], matrix[n:borders_from, n : 2 * n], matrix[n:borders_from, 2 * n :] = system.boundary
+    matrix[borders_from:] = border[:, :ends]
+    matrix[borders_from:, 2 * n :] += system.borders_p
+    known = np.empty((ends, defects.shape[2]))
+    known[:n] = block[:, ends:]
+    known[n:] = conditions
+    known[borders_from:] += border[:, ends:]
     if not np.isfinite(matrix).all():
         raise np.linalg.LinAlgError("the collocation matrix has entries that are not finite")
     dense = np.linalg.solve(matrix, known).T

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pearlbvp.collocation.scheme import Array, Scheme, derivative_matrix, gauss_scheme, lagrange_matrix
+from pearlbvp.compiled import compiled
 
 
 @dataclass(frozen=True)
@@ -68,3 +69,19 @@ def local_values(values: Array, m: int) -> Array:
     inner = values[:-1].reshape(intervals, m, -1)
     ends = values[m::m].reshape(intervals, 1, -1)
     return np.concatenate((inner, ends), axis=1)
+
+
+@compiled
+def apply_basis(basis, values):  # type: ignore[no-untyped-def]
+    """Apply a matrix (g, m + 1) to the values of every interval: (N*m + 1, n) to (N*g, n)."""
+    at, points = basis.shape
+    intervals = (values.shape[0] - 1) // (points - 1)
+    result = np.zeros((intervals * at, values.shape[1]))
+    for i in range(intervals):
+        for g in range(at):
+            row = result[i * at + g]
+            for j in range(points):
+                factor, source = basis[g, j], values[i * (points - 1) + j]
+                for column in range(row.size):
+                    row[column] += factor * source[column]
+    return result

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -109,10 +110,19 @@ class PeriodicPearls:
         """Angle of the neutral Bloch wave at ``x``, from 0 to pi; 0 or pi where there is none."""
         return np.arccos(np.clip(self.functions(x)[:, _COSINE] / 2, -1, 1))
 
+    @cached_property
+    def _sampled_angle(self) -> tuple[Array, Array]:
+        x = np.linspace(0, len(self.functions.coefficients), 1001)
+        return x, self.neutral_angle(x)
+
+    @cached_property
+    def _folds(self) -> Array:
+        return self.functions.crossings(_V, derivative=1)
+
     def loss_of_stability(self, pearls: int) -> tuple[float, int] | None:
         """Where pearls on ``pearls`` periods first meet a neutral wave that fits: coordinate ``x`` and its number ``j``."""
-        x = np.linspace(0, len(self.functions.coefficients), 1001)
-        below = np.floor(self.neutral_angle(x) * pearls / (2 * math.pi) + 1e-12).astype(int)
+        x, angle = self._sampled_angle
+        below = np.floor(angle * pearls / (2 * math.pi) + 1e-12).astype(int)
         changed = np.flatnonzero(below != below[0])
         if changed.size == 0:
             return None
@@ -126,9 +136,8 @@ class PeriodicPearls:
         """``status``, ``message`` and the values at the localized pearl's branch point on ``pearls`` periods."""
         found = self.loss_of_stability(pearls)
         x = math.inf if found is None else found[0]
-        folds = self.functions.crossings(_V, derivative=1)
-        if (folds < x).any():
-            v = float(self.functions(folds[:1])[0, _V])
+        if (self._folds < x).any():
+            v = float(self.functions(self._folds[:1])[0, _V])
             return _no(f"the pearls lose stability at a fold in v = {v:.6g} before any localized pearl branches off")
         if self.others is not None and (found is None or self._before(x, self.others[0])):
             n = self.others[1]

@@ -1,0 +1,158 @@
+"""Time of the localized-pearl table and of a continuation point, beside scipy's ``solve_bvp`` and AUTO-07p.
+
+Run as ``python tests/benchmarks/localized.py``. AUTO-07p is timed where its library is installed (Debian: ``auto-07p``,
+with ``gfortran``), in the same run on the same machine.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import solve_bvp
+
+from pearlbvp.continuation import PathOptions, Point, follow
+from pearlbvp.helfrich import Tube
+from pearlbvp.shapes import axisymmetric
+from pearlbvp.shapes.pearl import pearling_onset
+from pearlbvp.studies.localized import localized_pearls
+
+AUTO = Path("/usr/lib/auto-07p")
+
+
+def best(function: Callable[[], object], repeats: int = 15) -> float:
+    """Shortest time of several calls, in seconds, after one that is not counted."""
+    function()
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def our_points(count: int = 40, step: float = 0.02) -> int:
+    """Follow the pearls of period 7.5 for some short steps without remeshing."""
+    problem, u, tangent = pearling_onset(Tube(0.48, 7.5), tolerance=1e-6)
+    start = Point(problem, u, tangent, problem.observables(u))
+    options = PathOptions(step=step, max_step=step, max_points=count)
+    return len(follow(start, options, lambda point: None).points)
+
+
+def scipy_point() -> None:
+    """One pearl by ``solve_bvp``: the integrals as three more states, ``lambda1, arclength`` and ``v`` unknown."""
+    k, a = np.pi / 3.75, 0.05
+    lambda2 = -0.2502
+
+    def parameters(p: np.ndarray) -> np.ndarray:
+        return np.array([p[1], p[0], lambda2, 0.48, 3.75, p[2]])
+
+    def rhs(t: np.ndarray, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        states = np.ascontiguousarray(y[:4].T)
+        f = axisymmetric.rhs(t, states, parameters(p))
+        return np.vstack((f.T, axisymmetric.constraints(t, states, parameters(p)).T))
+
+    def ends(ya: np.ndarray, yb: np.ndarray, p: np.ndarray) -> np.ndarray:
+        return np.array([ya[1], ya[3], yb[1], yb[3], *ya[4:], *yb[4:]])
+
+    t = np.linspace(0, 1, 11)
+    x, bend = 3.75 * t, (k**2 - 1) / 2
+    wave = [
+        1 + a * np.cos(k * x),
+        -a * k * np.sin(k * x),
+        0.5 + a * bend * np.cos(k * x),
+        -a * bend * k * np.sin(k * x),
+    ]
+    guess = np.vstack((wave, np.zeros((3, len(t)))))
+    solved = solve_bvp(rhs, ends, t, guess, p=[0.27, 3.75, 1.0], tol=1e-8, max_nodes=20000)
+    if not solved.success:
+        raise SystemExit(f"solve_bvp failed: {solved.message}")
+
+
+def auto_seconds(folder: Path, points: int, intervals: int) -> float:
+    """Wall time of AUTO-07p's executable for a number of points."""
+    constants = (folder / "c.pearl").read_text().replace("NMX = 40", f"NMX = {points}")
+    (folder / "fort.2").write_text(constants.replace("NTST = 10", f"NTST = {intervals}"))
+    start = time.perf_counter()
+    done = subprocess.run([folder / "pearl.exe"], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode or "MX" in done.stdout or "NaN" in done.stdout:
+        raise SystemExit(f"AUTO-07p failed: {done.stdout}{done.stderr}")
+    return time.perf_counter() - start
+
+
+def auto_point() -> dict[int, float] | None:
+    """Seconds a point of AUTO-07p by number of intervals, its start-up taken off; None where it is not installed."""
+    if shutil.which("gfortran") is None or not AUTO.is_dir():
+        return None
+    here = Path(__file__).parent / "auto07p"
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file in ("pearl.f90", "c.pearl"):
+            shutil.copy(here / file, folder)
+        objects = sorted(str(path) for path in (AUTO / "lib").glob("*.o"))
+        compiler = [
+            "gfortran",
+            "-O3",
+            "-fopenmp",
+            "-fallow-argument-mismatch",
+            "pearl.f90",
+            *objects,
+            "-o",
+            "pearl.exe",
+        ]
+        subprocess.run(compiler, cwd=folder, check=True)
+        result = {}
+        for intervals in (5, 10, 20, 50):
+            short, long = (min(auto_seconds(folder, points, intervals) for _ in range(7)) for points in (40, 440))
+            result[intervals] = (long - short) / 400
+        return result
+
+
+def main() -> None:
+    """Print the table of times."""
+    print(
+        f"paper's table, warm process          {1e3 * best(lambda: localized_pearls(0.48, 7.5, [15, 30, 45, 60])):8.1f} ms"
+    )
+    many = [7.5 * n for n in range(2, 202)]
+    print(f"the same for 200 lengths             {1e3 * best(lambda: localized_pearls(0.48, 7.5, many)):8.1f} ms")
+    print(f"L = 600, period 600/81               {1e3 * best(lambda: localized_pearls(0.48, 600 / 81, [600])):8.1f} ms")
+    ours = best(our_points) / 40
+    print(f"continuation point (8 intervals, m=6){1e3 * ours:8.2f} ms")
+    print(f"scipy.solve_bvp, one point           {1e3 * best(scipy_point, 5):8.1f} ms")
+    auto = auto_point()
+    if auto is None:
+        print("AUTO-07p                             not installed here")
+    else:
+        for intervals, seconds in auto.items():
+            print(
+                f"AUTO-07p, point, NTST = {intervals:<3d}          {1e3 * seconds:8.2f} ms   ours / AUTO = {ours / seconds:.2f}"
+            )
+    command = [
+        sys.executable,
+        "-m",
+        "pearlbvp",
+        "localized",
+        "--c0",
+        "0.48",
+        "--period",
+        "7.5",
+        "--lengths",
+        "15,30,45,60",
+    ]
+    with tempfile.TemporaryDirectory() as name:
+        command += ["--out", f"{name}/t.csv", "--plot", f"{name}/t.png"]
+        print(f"whole command with CSV and PNG       {best(lambda: subprocess.run(command, check=True), 7):8.2f} s")
+
+
+if __name__ == "__main__":
+    main()
