@@ -12,6 +12,7 @@ from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.stability.bloch import SecondVariation, growth_rates, isothermal_points
 from pearlbvp.stability.floquet import multipliers, neutral_cosines
 from pearlbvp.stability.profile import Profile
+from pearlbvp.stability.spectrum import spectrum
 from pearlbvp.theory.dispersion import growth_rate
 
 
@@ -25,8 +26,8 @@ def cylinder(c0, lambda2, period, half=True, intervals=12):
 @given(st.floats(-1, 1), st.floats(-2, 2), st.floats(0, 2 * math.pi), st.integers(0, 4))
 def test_bloch_on_the_cylinder_is_the_dispersion_relation(c0, lambda2, theta, n):
     period = 7.0
-    rates = SecondVariation.of(cylinder(c0, lambda2, period), 31).growth_rates(n, theta, constrained=False)
-    k = (theta + 2 * np.pi * np.arange(-15, 16)) / period
+    rates = SecondVariation.of(cylinder(c0, lambda2, period), 32).growth_rates(n, theta, fixed="nothing")
+    k = (theta + 2 * np.pi * np.arange(-16, 16)) / period
     expected = np.sort(growth_rate(k, n, lambda2, c0))[::-1]
     np.testing.assert_allclose(rates[:5], expected[:5], atol=1e-9 * (1 + np.abs(expected).max()))
 
@@ -68,7 +69,7 @@ def test_bloch_and_floquet_agree_on_pearls(pearl, n, theta):
     c0, period, v_end, v = PEARLS[pearl]
     problem, u = pearls.at(pearls.path(c0, period, v_end), "v", v)
     profile = problem.profile(u)
-    mu = growth_rates(profile, n, theta, points=97)[0]
+    mu = growth_rates(profile, n, theta, points=96)[0]
 
     def miss(mu):
         """Angle between ``e^{i theta}`` and the multiplier nearest to it."""
@@ -93,7 +94,7 @@ def test_translations_are_neutral(c0, period, v_end, v):
     problem, u = pearls.at(pearls.path(c0, period, v_end), "v", v)
     profile = problem.profile(u)
     for n in (0, 1):
-        rates = growth_rates(profile, n, 0.0, points=97)
+        rates = growth_rates(profile, n, 0.0, points=96)
         assert np.abs(rates).min() < 1e-9
         rho = multipliers(profile, n)
         pair = rho[np.argsort(np.abs(rho - 1))][:2]
@@ -105,7 +106,7 @@ def test_translations_are_neutral(c0, period, v_end, v):
 def test_growth_rate_at_the_paper_s_sample_a2():
     # Paper, table ptab1: A2 at lambda2 = -3.165, least stable growth rate about -2.1, in n = 1.
     problem, u = pearls.at(pearls.path(0.0, 10.0, 1.3), "lambda2", -3.165)
-    variation = SecondVariation.of(problem.profile(u), 97)
+    variation = SecondVariation.of(problem.profile(u), 96)
     worst = {n: max(mu for mu in variation.growth_rates(n, 0.0) if abs(mu) > 1e-7) for n in range(5)}
     assert max(worst, key=worst.get) == 1
     assert worst[1] == pytest.approx(-2.1, abs=0.05)
@@ -115,11 +116,11 @@ def test_second_variation_is_the_second_derivative_of_the_energy():
     """Move a pearl along its normal by ``eps w``: F changes by ``-eps^2/2 * <w, mu w>``, E, A, V by their definitions."""
     problem, u = pearls.at(pearls.path(0.0, 10.0, 1.3), "v", 1.1)
     profile = problem.profile(u)
-    count = 129
+    count = 128
     variation = SecondVariation.of(profile, count)
     sigma, total = isothermal_points(profile, count)
     r, psi, _, _ = profile.at(sigma).T
-    xi = np.arange(count) / count
+    xi = (np.arange(count) + 0.5) / count
     w = 0.6 + np.cos(2 * np.pi * xi) + 0.4 * np.cos(4 * np.pi * xi + 0.3)
     x0 = _integral(np.cos(psi) * r * total)
 
@@ -152,6 +153,7 @@ def test_second_variation_is_the_second_derivative_of_the_energy():
 def _derivative(f):
     """Spectral derivative of a periodic function of period 1 on an odd number of points."""
     k = np.fft.fftfreq(len(f), 1 / len(f))
+    k[len(f) // 2] = 0
     return np.fft.ifft(2j * np.pi * k * np.fft.fft(f)).real
 
 
@@ -171,14 +173,69 @@ def test_mirrored_profile_is_the_half_profile_continued():
 def test_isothermal_points_are_evenly_spaced_in_the_integral_of_ds_over_r():
     problem, u = pearls.at(pearls.path(0.0, 10.0, 1.3), "v", 1.25)
     profile = problem.profile(u)
-    sigma, total = isothermal_points(profile, 41)
+    sigma, total = isothermal_points(profile, 42)
     fine = np.linspace(0, 2, 200_001)
     radius = profile.at(fine)[:, 0]
     xi = np.concatenate(([0], np.cumsum((1 / radius[1:] + 1 / radius[:-1]) / 2 * np.diff(fine)))) * profile.arclength
     assert total == pytest.approx(xi[-1], rel=1e-8)
-    np.testing.assert_allclose(np.interp(sigma, fine, xi), np.arange(41) * total / 41, atol=1e-7)
+    np.testing.assert_allclose(np.interp(sigma, fine, xi), (np.arange(42) + 0.5) * total / 42, atol=1e-7)
 
 
 def test_neutral_cosines_needs_a_half_profile():
     with pytest.raises(ValueError, match="^profile: "):
         neutral_cosines(cylinder(0, 0, 5, half=False), 0)
+
+
+def test_parities_split_the_spectrum_and_nothing_is_lost():
+    problem, u = pearls.at(pearls.path(0.0, 10.0, 1.3), "v", 1.1)
+    variation = SecondVariation.of(problem.profile(u), 96)
+    for n in range(3):
+        for theta in (0.0, math.pi):
+            whole = variation.growth_rates(n, theta, fixed="nothing")
+            parts = [variation.growth_rates(n, theta, parity, fixed="nothing") for parity in ("even", "odd")]
+            np.testing.assert_allclose(np.sort(np.concatenate(parts))[::-1][:8], whole[:8], atol=1e-8)
+
+
+def test_only_symmetric_waves_have_a_parity():
+    variation = SecondVariation.of(cylinder(0.1, 0.2, 7.0, half=False))
+    for theta in (0.0, 1.0):
+        with pytest.raises(ValueError, match="^parity: "):
+            variation.matrix(0, theta, "even")
+
+
+@given(st.floats(-1, 0.45), st.floats(-1.5, 2), st.integers(1, 6))
+def test_unstable_count_on_the_cylinder_is_the_dispersion_relation_s(c0, lambda2, cells):
+    period = 7.0
+    m, n = np.arange(-60, 61)[:, None], np.arange(-12, 13)[None, :]
+    rates = growth_rate(2 * np.pi * m / (cells * period), n, lambda2, c0)
+    # Without volume and translations: (0, 0) is no perturbation at fixed area, (0, +-1) are shifts.
+    counted = (rates > 0) & ~((m == 0) & (np.abs(n) <= 1))
+    if np.abs(rates[~((m == 0) & (np.abs(n) <= 1))]).min() < 1e-8:
+        return
+    assert spectrum(cylinder(c0, lambda2, period), cells).n_unstable == counted.sum()
+
+
+def test_cells_of_a_tube_are_the_cells_of_a_longer_period():
+    """Two pearls as one period of twice the length: the same unstable space, computed in another basis."""
+    problem, u = pearls.at(pearls.path(0.48, 7.5, 1.03), "v", 1.02)
+    half = problem.profile(u)
+    doubled = spectrum(half, 2, points=96)
+    one = half.mirrored()
+    mesh = np.concatenate((one.states.mesh / 2, one.states.mesh[1:] / 2 + 0.5))
+    values = np.vstack((one.states.values, one.states.values[1:]))
+    two = Profile(PiecewisePolynomial(mesh, values), 2 * one.arclength, False, one.c0, one.lambda1, one.lambda2, 15.0)
+    long = spectrum(two, 1, points=192)
+    assert doubled.n_unstable == long.n_unstable > 0
+    assert doubled.mu_crit == pytest.approx(long.mu_crit, abs=1e-8)
+    assert str(doubled.critical) == "n=0 j=1/2 even"
+
+
+def test_a2_is_stable_with_its_least_stable_mode_in_n_1():
+    problem, u = pearls.at(pearls.path(0.0, 10.0, 1.3), "lambda2", -3.165)
+    found = spectrum(problem.profile(u))
+    assert found.n_unstable == 0
+    assert found.critical.n == 1
+    assert found.mu_crit == pytest.approx(-2.1192, abs=1e-4)
+    assert found.residual < 1e-7
+    # At given pressure the pearl is a saddle: its volume can change (it bifurcates subcritically in lambda2).
+    assert spectrum(problem.profile(u), fixed="area").n_unstable in (0, 1)

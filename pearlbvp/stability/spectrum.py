@@ -1,0 +1,172 @@
+"""All perturbations that fit a tube of several periods: growth rates by symmetry block, and how many are unstable.
+
+A block is an azimuthal number ``n``, a Bloch number ``j`` (``theta = 2 pi j / cells``) and, where the profile has planes
+of reflection and ``theta`` is 0 or pi, a parity about the belly. Translations are exact kernels; they are known in closed
+form, removed by projection, and their residual says whether the profile and the points resolve the spectrum.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pearlbvp.collocation.scheme import Array
+from pearlbvp.stability.bloch import Fixed, SecondVariation, restrict
+from pearlbvp.stability.profile import Profile
+
+
+class Block(NamedTuple):
+    """A symmetry block of perturbations of ``cells`` periods: ``e^{i n phi}``, phase ``2 pi j / cells`` a period."""
+
+    n: int
+    j: int
+    cells: int
+    parity: str | None
+
+    @property
+    def theta(self) -> float:
+        """Phase per period, exactly pi where it is."""
+        return math.pi if 2 * self.j == self.cells else 2 * math.pi * self.j / self.cells
+
+    @property
+    def multiplicity(self) -> int:
+        """How often each growth rate occurs: two directions around the tube, two along it."""
+        return (1 if self.n == 0 else 2) * (1 if self.theta in (0.0, math.pi) else 2)
+
+    def __str__(self) -> str:
+        return f"n={self.n} j={self.j}/{self.cells}" + (f" {self.parity}" if self.parity else "")
+
+
+def blocks_of(cells: int, n: int, symmetric: bool) -> list[Block]:
+    """All blocks of an azimuthal number on a tube of ``cells`` periods; ``j`` and ``cells - j`` are one block."""
+    blocks = []
+    for j in range(cells // 2 + 1):
+        parities = ("even", "odd") if symmetric and (j == 0 or 2 * j == cells) else (None,)
+        blocks += [Block(n, j, cells, parity) for parity in parities]
+    return blocks
+
+
+def _kernel(variation: SecondVariation, block: Block) -> Array | None:
+    """The translation in a block, as ``r w`` at its points: along the axis ``-sin psi``, across it ``cos psi``."""
+    if block.j != 0:
+        return None
+    if block.n == 0 and block.parity != "even":
+        return variation.r * np.sin(variation.psi)
+    if block.n == 1 and block.parity != "odd":
+        return variation.r * np.cos(variation.psi)
+    return None
+
+
+def _residual(matrix: NDArray[Any], kernel: Array) -> float:
+    """Size of ``(matrix - shift)^{-1} matrix kernel``: the error of a unit kernel vector, in the units of growth rates.
+
+    The plain residual would be that of a fourth derivative, in which the rounding of the profile drowns everything else.
+    """
+    shift = 1 + max(0.0, float(np.linalg.eigvalsh(matrix)[-1]))
+    defect = matrix @ kernel
+    return float(np.linalg.norm(np.linalg.solve(matrix - shift * np.eye(len(matrix)), defect)))
+
+
+def block_rates(variation: SecondVariation, block: Block, fixed: Fixed = "area and volume") -> tuple[Array, float]:
+    """Growth rates of a block without its exact kernel, largest first, and how well that kernel is one.
+
+    Returns:
+        The rates, and how far the exact kernel is from one (0 where there is none); see ``_residual``.
+    """
+    matrix = variation.matrix(block.n, block.theta, block.parity)
+    size = len(matrix)
+    normals = []
+    residual = 0.0
+    kernel = _kernel(variation, block)
+    if kernel is not None and np.abs(kernel).max() > 1e-6:
+        kernel = kernel[:size] / np.linalg.norm(kernel[:size])
+        residual = _residual(matrix, kernel)
+        normals.append(kernel)
+    if block.n == 0 and block.j == 0 and block.parity != "odd" and fixed != "nothing":
+        normals.append(variation.h[:size] * variation.r[:size])
+        if fixed == "area and volume":
+            normals.append(variation.r[:size])
+    if normals:
+        matrix = restrict(matrix, np.column_stack(normals))
+    return np.asarray(np.linalg.eigvalsh(matrix)[::-1]), residual
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """The leading growth rates of all blocks that can be unstable.
+
+    Attributes:
+        rates: largest growth rates of each block, largest first.
+        residual: largest residual of an exact kernel: how well the spectrum is resolved.
+        points: Fourier points of a period.
+    """
+
+    rates: dict[Block, Array]
+    residual: float
+    points: int
+
+    @property
+    def n_unstable(self) -> int:
+        """Dimension of the unstable space."""
+        return sum(block.multiplicity * int((rates > 0).sum()) for block, rates in self.rates.items())
+
+    @property
+    def critical(self) -> Block:
+        """The block of the largest growth rate."""
+        return max(self.rates, key=lambda block: float(self.rates[block][0]))
+
+    @property
+    def mu_crit(self) -> float:
+        """The largest growth rate, exact kernels left out."""
+        return float(self.rates[self.critical][0])
+
+
+_KEPT = 12
+"""Growth rates kept of each block."""
+
+
+def spectrum(
+    profile: Profile,
+    cells: int = 1,
+    *,
+    fixed: Fixed = "area and volume",
+    tolerance: float = 1e-7,
+    points: int = 64,
+    max_points: int = 512,
+    max_n: int = 12,
+) -> Spectrum:
+    """Growth rates of all perturbations of a tube of ``cells`` periods, over all ``n`` that matter.
+
+    The number of Fourier points is doubled until the exact kernels are kernels to ``tolerance``. Azimuthal numbers go up
+    until, past ``n = 2``, all rates of one are negative and below those of the one before.
+
+    Args:
+        profile: one period, or half of it.
+        cells: periods on the tube.
+        fixed: what perturbations keep.
+        tolerance: for the residual of the exact kernels.
+        points: Fourier points of a period to begin with.
+        max_points: the most to go to; the result's ``residual`` says whether they sufficed.
+        max_n: largest azimuthal number.
+    """
+    while True:
+        variation = SecondVariation.of(profile, points)
+        translations = [block for n in (0, 1) for block in blocks_of(1, n, profile.half)]
+        residual = max(block_rates(variation, block)[1] for block in translations)
+        if residual < tolerance or points >= max_points:
+            break
+        points *= 2
+    rates: dict[Block, Array] = {}
+    before = np.inf
+    for n in range(max_n + 1):
+        for block in blocks_of(cells, n, profile.half):
+            rates[block] = block_rates(variation, block, fixed)[0][:_KEPT]
+        largest = max(float(rates[block][0]) for block in rates if block.n == n)
+        if n >= 2 and largest < 0 and largest < before:
+            break
+        before = largest
+    return Spectrum(rates, residual, points)
