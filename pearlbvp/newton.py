@@ -18,11 +18,13 @@ class NewtonOptions:
     Attributes:
         tolerance: for the error after the last correction (largest entry, relative to one plus the unknown's), as
             quadratic convergence predicts it from the last two corrections.
+        rounding: corrections below this that no longer shrink are rounding, and the iteration has converged.
         max_iterations: after these it gives up.
         damping: halve a correction up to this many times while the residual does not fall; 0 takes full steps.
     """
 
     tolerance: float = 1e-13
+    rounding: float = 1e-8
     max_iterations: int = 12
     damping: int = 0
 
@@ -72,7 +74,8 @@ def newton(
                 return NewtonResult(u, False, iteration, correction, f"singular Jacobian ({error}); start elsewhere")
             previous, correction = correction, float(np.max(np.abs(step) / (1 + np.abs(u))))
             rate = 1e4 if iteration == 1 else max(1.0, correction / previous**2)
-            if rate * correction**2 < options.tolerance:
+            stalled = correction > previous / 2 and correction < options.rounding
+            if rate * correction**2 < options.tolerance or stalled:
                 return NewtonResult(u - step, True, iteration, correction)
             if options.damping == 0 and iteration > 2 and correction > 2 * previous:
                 return NewtonResult(u, False, iteration, correction, "Newton's method diverges; take a smaller step")

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from pearlbvp.continuation.interpolation import interpolate
 from pearlbvp.continuation.path import P, Point, correct
 from pearlbvp.continuation.problem import Array
 from pearlbvp.newton import NewtonOptions
@@ -78,15 +79,6 @@ def _to_coefficients(degree: int) -> Array:
     return matrix
 
 
-def _interpolate(at: float, known: dict[float, Array]) -> Array:
-    """A guess at arclength ``at`` from the up to six nearest of the known solutions."""
-    nodes = sorted(known, key=lambda s: abs(s - at))[:6]
-    guess = np.zeros_like(known[nodes[0]])
-    for s in nodes:
-        guess += known[s] * math.prod((at - other) / (s - other) for other in nodes if other != s)
-    return guess
-
-
 def _resolve_piece(
     points: Sequence[Point[P]], function: Function[P], tolerance: float, pitchfork: bool, max_degree: int
 ) -> tuple[Array, float, int]:
@@ -115,7 +107,7 @@ def _resolve_piece(
             if j == 0 and pitchfork:
                 u = base  # the bifurcation point, where the corrector's matrix is singular
             else:
-                result, _ = correct(problem, _interpolate(s, known), direction, base, s, options)
+                result, _ = correct(problem, interpolate(s, known), direction, base, s, options)
                 if not result.converged:
                     raise Unresolved(f"no solution between two points of the path: {result.message}")
                 u = result.u

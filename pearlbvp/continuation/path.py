@@ -7,7 +7,7 @@ E. J. Doedel, H. B. Keller, J. P. Kernevez, Int. J. Bifurcation Chaos 1 (1991) 4
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -79,6 +79,10 @@ class Path(Generic[P]):
     complete: bool
 
 
+class PathEnd(ArithmeticError):
+    """A path cannot go on; the message says why and what to try."""
+
+
 def correct(
     problem: Problem, guess: Array, direction: Array, base: Array, distance: float, options: NewtonOptions
 ) -> tuple[NewtonResult, Array]:
@@ -103,25 +107,31 @@ def correct(
     return newton(residual, solve, guess, options), tangent
 
 
-def follow(start: Point[P], options: PathOptions, stop: Callable[[Point[P]], str | None]) -> Path[P]:
-    """Follow the path from ``start`` along its tangent until ``stop`` returns a reason or it cannot go on.
+def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
+    """Points of the path beyond ``start``, one at a time, each corrected and on a mesh that fits it.
 
-    The start may be a simple bifurcation point with the tangent of the branch wanted. Consecutive tangents enclose less
-    than ``max_angle``, so the path does not jump or turn back unnoticed.
+    The start may be a simple bifurcation point with the tangent of the branch wanted. No step is taken at which the
+    tangent turns by ``max_angle`` or more, or at which the corrector leads away from the predicted point by more than
+    half the step: so the path neither turns back nor jumps to another branch unnoticed.
+
+    Raises:
+        PathEnd: the smallest step fails, or a new mesh does.
     """
-    points, step = [start], options.step
-    point = start
-    while len(points) < options.max_points:
+    step, point = options.step, start
+    while True:
         problem, inner = point.problem, point.problem.inner
-        result, tangent = correct(problem, point.u + step * point.tangent, point.tangent, point.u, step, options.newton)
+        predicted = point.u + step * point.tangent
+        result, tangent = correct(problem, predicted, point.tangent, point.u, step, options.newton)
         if result.converged:
             tangent = tangent / math.sqrt(inner(tangent, tangent))
             turn = math.degrees(math.acos(min(1.0, inner(tangent, point.tangent))))
-        if not result.converged or turn > options.max_angle:
-            why = result.message if not result.converged else f"the tangent turns by {turn:.0f} degrees"
+            away = result.u - predicted
+            distance = math.sqrt(inner(away, away))
+        if not result.converged or turn > options.max_angle or distance > step / 2:
+            why = result.message or f"the path turns by {turn:.0f} degrees and leaves its tangent by {distance:.1e}"
             step /= 2
             if step < options.min_step:
-                return Path(points, f"the step fell below min_step = {options.min_step:g}: {why}", False)
+                raise PathEnd(f"the step fell below min_step = {options.min_step:g}: {why}")
             continue
         u = result.u
         moved = problem.remesh(u, tangent)
@@ -129,16 +139,28 @@ def follow(start: Point[P], options: PathOptions, stop: Callable[[Point[P]], str
             problem, (u, tangent) = moved
             again, tangent = correct(problem, u, tangent, u, 0.0, options.newton)
             if not again.converged:
-                return Path(points, f"no convergence after remeshing: {again.message}", False)
+                raise PathEnd(f"no convergence after remeshing: {again.message}")
             u = again.u
             tangent = tangent / math.sqrt(problem.inner(tangent, tangent))
         point = Point(problem, u, tangent, problem.observables(u), result.iterations)
-        points.append(point)
-        reason = stop(point)
-        if reason is not None:
-            return Path(points, reason, True)
+        yield point
         if result.iterations <= 4 and turn < options.max_angle / 2:
             step = min(2 * step, options.max_step)
         elif result.iterations >= 6:
             step = max(step / 2, options.min_step)
-    return Path(points, f"max_points = {options.max_points} reached", False)
+
+
+def follow(start: Point[P], options: PathOptions, stop: Callable[[Point[P]], str | None]) -> Path[P]:
+    """Follow the path from ``start`` along its tangent until ``stop`` returns a reason or it cannot go on."""
+    points = [start]
+    try:
+        for point in steps(start, options):
+            points.append(point)
+            reason = stop(point)
+            if reason is not None:
+                return Path(points, reason, True)
+            if len(points) >= options.max_points:
+                return Path(points, f"max_points = {options.max_points} reached", False)
+    except PathEnd as end:
+        return Path(points, str(end), False)
+    raise AssertionError("steps() ends by PathEnd only")

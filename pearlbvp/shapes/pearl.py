@@ -10,15 +10,16 @@ Munoz-Almaraz et al., Physica D 181 (2003) 1).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Literal
 
 import numpy as np
 
 from pearlbvp.collocation import (
     BoundaryValueProblem,
     Discretization,
+    PiecewisePolynomial,
     equidistribute,
     error_estimate,
     gauss_scheme,
@@ -28,8 +29,12 @@ from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.helfrich import Tube, cylinder_lambda1
 from pearlbvp.shapes import axisymmetric
+from pearlbvp.stability.bloch import Fixed, SecondVariation
 from pearlbvp.stability.profile import Profile
+from pearlbvp.stability.spectrum import Block, Spectrum, block_rates, spectrum
 from pearlbvp.theory.dispersion import critical_lambda2
+
+Centre = Literal["pearl", "neck"]
 
 _ENDS = np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 6))
 _ENDS[0][0, 1] = _ENDS[0][1, 3] = _ENDS[1][2, 1] = _ENDS[1][3, 3] = 1.0
@@ -46,11 +51,11 @@ HALF_CELL = BoundaryValueProblem(
 )
 
 
-def full_cell(reference: Callable[[Array], Array]) -> BoundaryValueProblem:
+def full_cell(reference: PiecewisePolynomial) -> BoundaryValueProblem:
     """The periodic problem, its phase fixed against ``reference``.
 
     Args:
-        reference: derivative by ``sigma`` of some profile of the same shape, (K,) to (K, 4). The phase condition is
+        reference: derivative by ``sigma`` of some profile of the same shape. The phase condition is
             ``integral of reference . y = 0``, which holds for the profile itself.
 
     The unfolding parameter ``drag`` adds ``drag * r sin psi`` to ``w'``, which would change the axial force by
@@ -98,13 +103,22 @@ class PearlProblem:
 
     Attributes:
         discretization: collocation of the half cell or the full cell.
-        half: which of the two.
         tolerance: estimated error of the profile at which ``remesh`` acts.
+        reference: what the phase of a full cell is fixed against; None for a half cell.
+        cells: periods on the tube, for stability.
+        fixed: what perturbations keep, for stability.
     """
 
     discretization: Discretization
-    half: bool
+    reference: PiecewisePolynomial | None
     tolerance: float
+    cells: int = 1
+    fixed: Fixed = "area and volume"
+
+    @property
+    def half(self) -> bool:
+        """Whether it is the half cell."""
+        return self.reference is None
 
     def residual(self, u: Array) -> Array:
         """Defects, boundary conditions and constraints at ``u``."""
@@ -165,6 +179,49 @@ class PearlProblem:
             period=float(p[4]) * (2 if self.half else 1),
         )
 
+    @property
+    def own_block(self) -> Block:
+        """Perturbations that keep the period, the axis of rotation and the planes of reflection."""
+        return Block(0, 0, self.cells, "even" if self.half else None)
+
+    @property
+    def conserved(self) -> str:
+        """The volume: perturbations keep it."""
+        return "v"
+
+    def spectrum(self, u: Array) -> Spectrum:
+        """Growth rates of all perturbations that fit the tube."""
+        return spectrum(self.profile(u), self.cells, fixed=self.fixed)
+
+    def block_rates(self, u: Array, block: Block, like: Spectrum) -> Array:
+        """Growth rates in one symmetry block, largest first, without its exact kernel, on as many points as ``like``."""
+        return block_rates(SecondVariation.of(self.profile(u), like.points), block, self.fixed)[0]
+
+    def embed(self, block: Block, centre: Centre, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
+        """The problem in whose space the perturbations of a block live, and vectors moved into it.
+
+        Args:
+            block: an axisymmetric block of this problem.
+            centre: what the new plane of reflection passes through, where the block leaves the choice.
+            vectors: solutions or tangents of this problem.
+
+        Raises:
+            ValueError: the block's perturbations are not axisymmetric.
+        """
+        if block.n != 0:
+            raise ValueError(f"block: perturbations with n = {block.n} are not axisymmetric; pearls cannot follow them")
+        if block == self.own_block:
+            return self, list(vectors)
+        if block.j == 0:
+            return full_cell_problem(self, *vectors)
+        if block.parity is not None:  # a wave that changes sign from cell to cell is even about either pearl or neck
+            centre = "pearl" if block.parity == "even" else "neck"
+        return unrolled(self, block.cells // math.gcd(block.j, block.cells), centre, *vectors)
+
+    def grows_at_centre(self, direction: Array) -> bool:
+        """Whether a perturbation makes the tube thicker at the first plane of reflection."""
+        return bool(self.discretization.values(direction)[0, 0] > 0)
+
     def axial_force_spread(self, u: Array) -> float:
         """Largest minus smallest axial force at the mesh points: zero on an exact solution, a free error measure."""
         values = self.discretization.values(u)[:: self.discretization.scheme.m]
@@ -214,20 +271,73 @@ def pearling_onset(
     wave = np.column_stack((np.cos(k * x), -k * np.sin(k * x), bend * np.cos(k * x), -bend * k * np.sin(k * x)))
     tangent = discretization.pack(wave, np.zeros_like(parameters))
     tangent /= math.sqrt(discretization.inner(tangent, tangent))
-    return PearlProblem(discretization, True, tolerance), u, tangent
+    return PearlProblem(discretization, None, tolerance, cells=m), u, tangent
 
 
-def full_cell_problem(problem: PearlProblem, u: Array) -> tuple[PearlProblem, Array]:
-    """The full-cell problem around a solution of the half cell, and that solution mirrored into it."""
-    profile = problem.profile(u).mirrored()
-    p = problem.discretization.all_parameters(u)
-    parameters = np.array([2 * p[0], p[1], p[2], p[3], 2 * p[4], p[5], 0.0])
-    states = profile.states
+_MIRROR = np.array([1.0, -1.0, 1.0, -1.0])
+"""What a plane of reflection does to ``r, psi, h, w``."""
 
-    def slope(t: Array) -> Array:
-        return np.asarray(axisymmetric.rhs(t, states(t), parameters))
 
-    discretization = Discretization(
-        full_cell(slope), states.scheme, states.mesh, parameters, ("arclength", "lambda1", "lambda2", "v", "drag")
-    )
-    return PearlProblem(discretization, False, problem.tolerance), discretization.pack(states.values, parameters)
+def full_cell_problem(problem: PearlProblem, u: Array, *tangents: Array) -> tuple[PearlProblem, list[Array]]:
+    """The full-cell problem around a solution of the half cell; that solution and tangents of it mirrored into it.
+
+    Returns:
+        The problem, with the solution as reference of its phase, and the vectors in it, ``u`` first.
+    """
+    half = problem.discretization
+    p = half.all_parameters(u)
+    mesh = np.append(half.mesh / 2, 1 - half.mesh[-2::-1] / 2)
+    parameters = np.append(p * _scale(2), 0.0)
+
+    def mirrored(values: Array) -> Array:
+        return np.vstack((values, (values[::-1] * _MIRROR)[1:]))
+
+    states = PiecewisePolynomial(mesh, mirrored(half.values(u)))
+    slopes = np.asarray(axisymmetric.rhs(states.points, states.values, parameters))
+    reference = PiecewisePolynomial(mesh, slopes)
+    whole = Discretization(full_cell(reference), half.scheme, mesh, parameters, (*half.free, "drag"))
+    moved = []
+    for vector in (u, *tangents):
+        free = vector[vector.size - len(half.free) :] * _scale(2)[half.free_index]
+        moved.append(np.concatenate((mirrored(half.values(vector)).ravel(), free, [0.0])))
+    return replace(problem, discretization=whole, reference=reference), moved
+
+
+def unrolled(problem: PearlProblem, cells: int, centre: Centre, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
+    """Half-cell solutions as solutions of period ``cells`` times as long, on the half of that from a plane of reflection.
+
+    In this larger space periods may differ from each other: where pearls lose stability to a Bloch wave, the branch of
+    the localized pearl leaves in it, centred on a pearl or on a neck (design, §6).
+
+    Args:
+        problem: pearls on the half cell.
+        cells: how many periods become one; it divides ``problem.cells``.
+        centre: what stands at the first plane of reflection.
+        vectors: solutions or tangents.
+
+    Raises:
+        ValueError: the tube does not hold a multiple of that many cells, or the problem is not that of a half cell.
+    """
+    if problem.cells % cells or not problem.half:
+        raise ValueError(
+            f"cells: {cells} periods do not divide a tube of {problem.cells}, or have no planes of reflection"
+        )
+    d = problem.discretization
+    order = [(i + (centre == "neck")) % 2 for i in range(cells)]  # 0: pearl to neck, 1: neck to pearl
+    meshes = [(i + (d.mesh[1:] if way == 0 else 1 - d.mesh[-2::-1])) / cells for i, way in enumerate(order)]
+    mesh = np.concatenate((np.zeros(1), *meshes))
+    mesh[-1] = 1.0
+    discretization = replace(d, mesh=mesh, parameters=d.parameters * _scale(cells))
+    moved = []
+    for vector in vectors:
+        forth = d.values(vector)
+        back = forth[::-1] * _MIRROR
+        parts = [(forth, back)[way][min(i, 1) :] for i, way in enumerate(order)]
+        free = vector[vector.size - len(d.free) :] * _scale(cells)[d.free_index]
+        moved.append(np.concatenate((np.vstack(parts).ravel(), free)))
+    return replace(problem, discretization=discretization, cells=problem.cells // cells), moved
+
+
+def _scale(cells: int) -> Array:
+    """Factors of the parameters when several cells become one."""
+    return np.array([cells if name in ("arclength", "length") else 1.0 for name in axisymmetric.PARAMETERS])

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
-from pearlbvp.stability.bloch import Fixed, SecondVariation, restrict
+from pearlbvp.stability.bloch import Fixed, SecondVariation, isothermal_points, restrict
 from pearlbvp.stability.profile import Profile
 
 
@@ -110,9 +110,14 @@ class Spectrum:
     points: int
 
     @property
+    def neutral(self) -> float:
+        """Growth rates of this size are zero to the accuracy of the spectrum."""
+        return 1e-9 + 10 * self.residual
+
+    @property
     def n_unstable(self) -> int:
-        """Dimension of the unstable space."""
-        return sum(block.multiplicity * int((rates > 0).sum()) for block, rates in self.rates.items())
+        """Dimension of the unstable space; at a branch point its neutral perturbation is not counted."""
+        return sum(block.multiplicity * int((rates > self.neutral).sum()) for block, rates in self.rates.items())
 
     @property
     def critical(self) -> Block:
@@ -135,8 +140,8 @@ def spectrum(
     *,
     fixed: Fixed = "area and volume",
     tolerance: float = 1e-7,
-    points: int = 64,
-    max_points: int = 512,
+    points: int | None = None,
+    max_points: int = 768,
     max_n: int = 12,
 ) -> Spectrum:
     """Growth rates of all perturbations of a tube of ``cells`` periods, over all ``n`` that matter.
@@ -149,10 +154,11 @@ def spectrum(
         cells: periods on the tube.
         fixed: what perturbations keep.
         tolerance: for the residual of the exact kernels.
-        points: Fourier points of a period to begin with.
+        points: Fourier points of a period to begin with (``None``: seven in each unit of the isothermal coordinate).
         max_points: the most to go to; the result's ``residual`` says whether they sufficed.
         max_n: largest azimuthal number.
     """
+    points = points or max(48, 2 * math.ceil(3.5 * isothermal_points(profile, 2)[1]))
     while True:
         variation = SecondVariation.of(profile, points)
         translations = [block for n in (0, 1) for block in blocks_of(1, n, profile.half)]

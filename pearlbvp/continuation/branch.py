@@ -1,0 +1,311 @@
+"""Branches: a path with its special points located and its stability known at every point.
+
+Folds are turning points of named observables. Branch points are found by the number of positive growth rates in each
+symmetry block, never by a determinant: every rate that changes its sign in a step is located for itself, so several in
+one step are all found.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Generic, Protocol
+
+from pearlbvp.continuation.path import P, Path, PathEnd, PathOptions, Point, steps
+from pearlbvp.continuation.problem import Array, Problem
+from pearlbvp.continuation.segment import Segment
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Spectrum(Protocol):
+    """What a branch asks of the growth rates of a solution."""
+
+    @property
+    def rates(self) -> Mapping[Any, Array]:
+        """Largest growth rates of each symmetry block, exact kernels left out, largest first."""
+
+    @property
+    def n_unstable(self) -> int:
+        """Dimension of the unstable space."""
+
+    @property
+    def mu_crit(self) -> float:
+        """The largest growth rate."""
+
+
+class StableProblem(Problem, Protocol):
+    """A problem that knows the stability of its solutions."""
+
+    @property
+    def own_block(self) -> Hashable:
+        """The block of perturbations that keep the symmetry of the problem's solutions."""
+
+    @property
+    def conserved(self) -> str:
+        """The observable that perturbations keep and a branch does not: at its turning points ``own_block`` changes."""
+
+    def spectrum(self, u: Array) -> Spectrum:
+        """Growth rates in all symmetry blocks."""
+
+    def block_rates(self, u: Array, block: Any, like: Any) -> Array:
+        """Growth rates in one block, largest first, resolved as in another spectrum."""
+
+
+@dataclass(frozen=True)
+class SpecialPoint(Generic[P]):
+    """A point of a branch at which something happens.
+
+    Attributes:
+        kind: ``start``, ``bp``, ``fold:NAME``, ``stop`` or ``end``.
+        index: place among the branch's points.
+        block: symmetry block of the neutral perturbation, for ``bp``.
+        change: by how much the number of unstable perturbations of that block changes there.
+        converged: whether it was located; if not, it is the nearest computed point.
+    """
+
+    kind: str
+    index: int
+    block: Any = None
+    change: int = 0
+    converged: bool = True
+
+
+@dataclass(frozen=True)
+class BranchPoint(Generic[P]):
+    """A point with its spectrum."""
+
+    point: Point[P]
+    spectrum: Any
+
+    @property
+    def observables(self) -> dict[str, float]:
+        """Named numbers of the solution."""
+        return self.point.observables
+
+
+@dataclass(frozen=True)
+class Branch(Generic[P]):
+    """A branch of solutions with its special points.
+
+    Attributes:
+        points: in order along the branch, special points among them.
+        special: what happens at some of them.
+        reason: why the branch ends.
+        complete: whether it ends where it was asked to.
+    """
+
+    points: list[BranchPoint[P]]
+    special: list[SpecialPoint[P]]
+    reason: str
+    complete: bool
+
+    def kinds(self, index: int) -> list[str]:
+        """All that is special at a point."""
+        return [special.kind for special in self.special if special.index == index]
+
+    def find(self, kind: str) -> list[SpecialPoint[P]]:
+        """The special points of a kind, in order; ``fold`` finds all folds."""
+        return [special for special in self.special if special.kind == kind or special.kind.split(":")[0] == kind]
+
+    def at(self, special: SpecialPoint[P]) -> BranchPoint[P]:
+        """The point of a special point."""
+        return self.points[special.index]
+
+    def table(self) -> pd.DataFrame:
+        """A row a point: ``point, special``, the observables, ``n_unstable, mu_crit, critical``."""
+        import pandas as pd
+
+        rows = []
+        for index, entry in enumerate(self.points):
+            stability = {
+                "n_unstable": entry.spectrum.n_unstable,
+                "mu_crit": entry.spectrum.mu_crit,
+                "critical": str(entry.spectrum.critical),
+            }
+            rows.append({"point": index, "special": ",".join(self.kinds(index))} | entry.observables | stability)
+        return pd.DataFrame(rows)
+
+    def extended(self, further: Branch[P]) -> Branch[P]:
+        """This branch and one that starts at its last point, as one."""
+        offset = len(self.points) - 1
+        kept = [s for s in self.special if s.kind not in ("end", "stop")]
+        added = [replace(s, index=s.index + offset) for s in further.special if s.kind != "start"]
+        return Branch(self.points + further.points[1:], kept + added, further.reason, further.complete)
+
+
+@dataclass(frozen=True)
+class BranchOptions:
+    """How a branch is followed.
+
+    Attributes:
+        path: steps and tolerances.
+        until: stop exactly where an observable has a value.
+        folds: observables whose turning points are located.
+        limit: a reason to end at a point, or None.
+        progress: called with the branch so far after each step, to show or to save it.
+    """
+
+    path: PathOptions = field(default_factory=PathOptions)
+    until: Mapping[str, float] = field(default_factory=dict)
+    folds: Sequence[str] = ("lambda1", "lambda2", "v", "E")
+    limit: Callable[[Point[Any]], str | None] = lambda point: None
+    progress: Callable[[Branch[Any]], None] = lambda branch: None
+
+
+def slope(point: Point[P], name: str, eps: float = 1e-5) -> float:
+    """Derivative of an observable along the path's tangent, by central differences."""
+    ahead = point.problem.observables(point.u + eps * point.tangent)[name]
+    behind = point.problem.observables(point.u - eps * point.tangent)[name]
+    return (ahead - behind) / (2 * eps)
+
+
+@dataclass(frozen=True)
+class _Event(Generic[P]):
+    """Something found between two points: where, and what to write of it."""
+
+    s: float
+    kind: str
+    point: Point[P]
+    block: Any = None
+    change: int = 0
+    converged: bool = True
+
+
+def _located(
+    segment: Segment[P], kind: str, function: Callable[[Point[P]], float], ends: tuple[float, float], **what: Any
+) -> _Event[P]:
+    """An event at a function's sign change; at the segment's end, unconverged, where that cannot be located."""
+    try:
+        point = segment.root(function, *ends)
+    except PathEnd:
+        return _Event(segment.length, kind, segment.last, converged=False, **what)
+    s = point.problem.inner(segment.first.tangent, point.u - segment.first.u)
+    return _Event(s, kind, point, **what)
+
+
+def _crossing_rates(before: Spectrum, after: Spectrum, neutral: float) -> list[tuple[Any, int, float, float]]:
+    """Blocks and positions of the growth rates that change sign between two points, with their values there.
+
+    Rates that are smaller than ``neutral`` at the first point belong to the bifurcation that the branch starts at.
+    """
+    found = []
+    for block in before.rates.keys() & after.rates.keys():
+        rates, later = before.rates[block], after.rates[block]
+        low, high = sorted((int((rates > 0).sum()), int((later > 0).sum())))
+        found += [(block, k, float(rates[k]), float(later[k])) for k in range(low, high) if abs(rates[k]) > neutral]
+    return sorted(found, key=lambda crossing: (str(crossing[0]), crossing[1]))
+
+
+def _wanted(first: BranchPoint[P], last: Point[P], until: Mapping[str, float]) -> _Event[P] | None:
+    """The first place between two points where an observable has its wanted value."""
+    segment = Segment(first.point, last)
+    stops = []
+    for name, value in until.items():
+        ends = first.observables[name] - value, last.observables[name] - value
+        if ends[0] != 0 and ends[0] * ends[1] <= 0:
+            stops.append(_located(segment, "stop", lambda p, n=name, x=value: p.observables[n] - x, ends))  # type: ignore[misc]
+    return min(stops, key=lambda event: event.s, default=None)
+
+
+def _events(first: BranchPoint[P], last: BranchPoint[P], folds: Sequence[str], at_start: bool) -> list[_Event[P]]:
+    """Folds and branch points between two consecutive points, in their order."""
+    segment = Segment(first.point, last.point)
+    events: list[_Event[P]] = []
+    # At a pitchfork every observable turns: its slope is that of the branch a little further on.
+    behind = segment.point(0.1 * segment.length) if at_start else first.point
+    for name in folds:
+        ends = slope(behind, name), slope(last.point, name)
+        if ends[0] * ends[1] < 0:
+            events.append(_located(segment, f"fold:{name}", lambda p, n=name: slope(p, n), ends))  # type: ignore[misc]
+    problem: Any = first.point.problem
+    crossings = _crossing_rates(first.spectrum, last.spectrum, 1e-6 if at_start else 0.0)
+    if any(block == problem.own_block for block, *_ in crossings):
+        segment.refine()
+    for block, k, before, after in crossings:
+        event = _located(
+            segment,
+            "bp",
+            lambda p, b=block, i=k: float(p.problem.block_rates(p.u, b, last.spectrum)[i]),  # type: ignore[misc]
+            (before, after),
+            block=block,
+            change=block.multiplicity if after > before else -block.multiplicity,
+        )
+        # In the problem's own block a rate changes sign where the conserved quantity turns: that is the fold.
+        fold = f"fold:{problem.conserved}"
+        if block == problem.own_block and any(e.kind == fold and abs(e.s - event.s) < 1e-4 for e in events):
+            continue
+        events.append(event)
+    return sorted(events, key=lambda event: event.s)
+
+
+def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: bool = False) -> Branch[P]:
+    """Follow a branch from a solution along its tangent, with stability and special points.
+
+    Args:
+        start: the first point.
+        options: steps, stopping conditions, what to watch.
+        at_bifurcation: the start is a bifurcation point, and the tangent that of the branch wanted: its own neutral
+            growth rates and turning points are no events.
+
+    Returns:
+        The branch. It is whole up to its end whatever happens: a failing step is a ``reason``, an interruption too.
+    """
+    points = [_with_spectrum(start)]
+    special: list[SpecialPoint[P]] = [SpecialPoint("start", 0)]
+
+    def end(reason: str, kind: str = "end") -> Branch[P]:
+        special.append(SpecialPoint(kind, len(points) - 1))
+        return Branch(points, special, reason, kind == "stop")
+
+    try:
+        for point in steps(start, options.path):
+            before, at_start = points[-1], at_bifurcation and len(points) == 1
+            wanted = _wanted(before, point, options.until)
+            if wanted is not None and not wanted.converged:
+                return end("a wanted value lies just ahead, but could not be reached; take shorter steps")
+            latest = _with_spectrum(point if wanted is None else wanted.point)
+            for event in _events(before, latest, options.folds, at_start):
+                if event.converged:
+                    points.append(_with_spectrum(event.point))
+                index = len(points) - 1 if event.converged else len(points)
+                special.append(SpecialPoint(event.kind, index, event.block, event.change, event.converged))
+            points.append(latest)
+            options.progress(Branch(points, special, "unfinished", False))
+            if wanted is not None:
+                return end("the wanted value is reached", "stop")
+            reason = options.limit(point)
+            if reason is not None:
+                return end(reason)
+            if len(points) >= options.path.max_points:
+                return end(f"max_points = {options.path.max_points} reached; resume the branch or ask for more")
+    except PathEnd as failure:
+        return end(str(failure))
+    except KeyboardInterrupt:
+        return end("interrupted")
+    raise AssertionError("steps() ends by PathEnd only")
+
+
+def _with_spectrum(point: Point[P]) -> BranchPoint[P]:
+    problem: Any = point.problem
+    return BranchPoint(point, problem.spectrum(point.u))
+
+
+def start_point(problem: P, u: Array, tangent: Array) -> Point[P]:
+    """A point to start from, its tangent made a unit vector."""
+    return Point(problem, u, tangent / math.sqrt(problem.inner(tangent, tangent)), problem.observables(u))
+
+
+__all__ = [
+    "Branch",
+    "BranchOptions",
+    "BranchPoint",
+    "Path",
+    "SpecialPoint",
+    "Spectrum",
+    "StableProblem",
+    "continue_branch",
+    "start_point",
+]

@@ -1,0 +1,100 @@
+"""The stretch of a path between two computed points, and where a function vanishes on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import Generic
+
+import numpy as np
+
+from pearlbvp.continuation.interpolation import interpolate
+from pearlbvp.continuation.path import P, PathEnd, Point, correct
+from pearlbvp.continuation.problem import Array
+from pearlbvp.newton import NewtonOptions
+
+
+@dataclass(frozen=True)
+class Segment(Generic[P]):
+    """Points between ``first`` and ``last``, by their arclength along the first one's tangent.
+
+    Attributes:
+        first, last: consecutive points of a path, possibly on different meshes.
+        pitchfork: the first is a bifurcation point: nothing is corrected there.
+    """
+
+    first: Point[P]
+    last: Point[P]
+    pitchfork: bool = False
+    _known: dict[float, Point[P]] = field(default_factory=dict, repr=False)
+    _nodes: dict[float, Array] = field(default_factory=dict, repr=False)
+
+    @property
+    def length(self) -> float:
+        """Arclength of the last point along the first one's tangent."""
+        problem = self.first.problem
+        return problem.inner(self.first.tangent, problem.adopt(self.last.problem, self.last.u) - self.first.u)
+
+    def _guess(self, s: float) -> Array:
+        """A guess: from the tangent at the first point to the chord at the last, or through the points of ``refine``."""
+        if self._nodes:
+            return interpolate(s, self._nodes)
+        base, tangent = self.first.u, self.first.tangent
+        end = self.first.problem.adopt(self.last.problem, self.last.u)
+        return base + s * tangent + (s / self.length) ** 2 * (end - base - self.length * tangent)
+
+    def point(self, s: float) -> Point[P]:
+        """The solution at arclength ``s``, on the first point's mesh.
+
+        Where the corrector fails, as it does beside a branch point of the problem itself, a guess that solves the
+        equations to 1e-7 is taken for the solution.
+
+        Raises:
+            PathEnd: there is no solution, or no such guess.
+        """
+        if s == 0:
+            return self.first
+        if s not in self._known:
+            problem, base, tangent = self.first.problem, self.first.u, self.first.tangent
+            guess = self._guess(s)
+            result, direction = correct(problem, guess, tangent, base, s, NewtonOptions(max_iterations=10))
+            u = result.u
+            if not result.converged:
+                if not self._nodes or np.abs(problem.residual(guess)).max() > 1e-7:
+                    raise PathEnd(f"no solution between two points of the path: {result.message}; take shorter steps")
+                u, direction = guess, tangent
+            direction = direction / math.sqrt(problem.inner(direction, direction))
+            self._known[s] = Point(problem, u, direction, problem.observables(u), result.iterations)
+        return self._known[s]
+
+    def refine(self) -> None:
+        """Compute some points within, as far as the corrector allows, to interpolate through where it does not."""
+        nodes = {0.0: self.first.u}
+        for fraction in (1.0, 0.15, 0.3, 0.7, 0.85, 0.5):
+            with suppress(PathEnd):
+                nodes[fraction * self.length] = self.point(fraction * self.length).u
+        if len(nodes) > 4:
+            self._nodes.update(nodes)
+
+    def root(self, function: Callable[[Point[P]], float], at_first: float, at_last: float) -> Point[P]:
+        """The point where a function changes its sign, to the accuracy of ``s`` in rounding (Brent's method).
+
+        Args:
+            function: of a point.
+            at_first, at_last: its values at the ends, of opposite signs.
+
+        Raises:
+            PathEnd: no sign change on the first point's mesh, or the corrector fails.
+        """
+        from scipy.optimize import brentq  # a fifth of a second to import, and only this needs it
+
+        def value(s: float) -> float:
+            return at_first if s == 0 else function(self.point(s))
+
+        # The value at the last point is that on the last point's mesh: compute it on this one.
+        if value(self.length) * at_first > 0:
+            raise PathEnd("a sign change between two points is lost on the first one's mesh; take shorter steps")
+        s = float(brentq(value, 0.0, self.length, xtol=1e-13 * (1 + self.length), rtol=1e-14, maxiter=60))
+        return self.point(s)
