@@ -78,7 +78,7 @@ def _computed_aside(module: str, name: str, *arguments: Any, figures: str | None
 
     Loading compiled code and loading the libraries for tables and pictures take about a second each.
     """
-    method = "fork" if "fork" in multiprocessing.get_all_start_methods() else None
+    method = "fork" if sys.platform.startswith("linux") else None  # elsewhere forking is not safe
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(method)) as pool:
         future = pool.submit(_call, module, name, arguments)
         importlib.import_module("pandas")
@@ -87,12 +87,15 @@ def _computed_aside(module: str, name: str, *arguments: Any, figures: str | None
         return future.result()
 
 
-def _check_outputs(out: Path | None, plot: Path | None) -> None:
+def _check_outputs(out: Path | None, plot: Path | None) -> tuple[Path | None, Path | None]:
+    """Where table and picture are written, links resolved, before anything is computed for them."""
     from pearlbvp.files import writable
 
-    for name, path in (("--out", out), ("--plot", plot)):
-        if path is not None:
-            writable(name, path)
+    out = None if out is None else writable("--out", out)
+    plot = None if plot is None else writable("--plot", plot)
+    if out is not None and out == plot and (out.is_file() or not out.exists()):
+        raise InputError(f"--plot: {plot} is the table's file already; give the picture another name")
+    return out, plot
 
 
 def _write(table: pd.DataFrame, out: Path | None, plot: Path | None, draw: Callable[[], Figure]) -> int:
@@ -145,7 +148,7 @@ def dispersion(
     from pearlbvp.helfrich import Tube, in_units_of_radius
     from pearlbvp.studies.dispersion import branch_points
 
-    _check_outputs(out, plot)
+    out, plot = _check_outputs(out, plot)
     tube = Tube.from_dimensional(c0, length, radius)
     table = branch_points(tube.c0, tube.length, max_m, max_n)
 
@@ -180,10 +183,15 @@ def localized(
     Columns: c0, period, L, pearls, status, lambda1, lambda2, v, E, amplitude, message. Status is found,
     unstable_at_onset, none_in_range, no_stable_cylinder or failed.
     """
-    from pearlbvp.helfrich import Tube, in_units_of_radius
+    from pearlbvp.helfrich import Tube, in_units_of_radius, positive
 
-    _check_outputs(out, plot)
-    tube = Tube.from_dimensional(c0, period, radius)
+    out, plot = _check_outputs(out, plot)
+    tube = Tube.from_dimensional(c0, positive("--period", period), positive("--radius", radius))
+    reference = None
+    if compare is not None:
+        from pearlbvp.studies.reference import read_reference
+
+        reference = read_reference(compare)
     rows = _computed_aside(
         "pearlbvp.studies.localized", "localized_rows", tube.c0, tube.length, [length / radius for length in lengths],
         figures="pearlbvp.figures.localized" if plot else None,
@@ -191,10 +199,10 @@ def localized(
     import pandas as pd
 
     table = in_units_of_radius(pd.DataFrame(rows), radius)
-    if compare is not None:
+    if reference is not None:
         from pearlbvp.studies.reference import beside
 
-        table = beside(table, compare)
+        table = beside(table, reference)
 
     def draw() -> Figure:
         from pearlbvp.figures.localized import draw_localized
@@ -220,7 +228,7 @@ def period(
     from pearlbvp.helfrich import Tube, in_units_of_radius
     from pearlbvp.studies.period import pearl_periods
 
-    _check_outputs(out, plot)
+    out, plot = _check_outputs(out, plot)
     scaled = [[Tube.from_dimensional(value, length, radius) for length in lengths] for value in c0]
     table = pearl_periods([tubes[0].c0 for tubes in scaled], [tube.length for tube in scaled[0]], processes=processes)
     table = in_units_of_radius(table, radius)
@@ -239,25 +247,37 @@ def main(arguments: list[str] | None = None) -> None:
     for name in _BLAS_THREADS:  # before numpy is loaded: our matrices are small, threads only slow them down
         os.environ.setdefault(name, "1")
     try:
-        status = cli.main(args=arguments, prog_name="pearlbvp", standalone_mode=False)
-    except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.format_message())
-        status = UNUSABLE
-    except click.ClickException as error:
-        message = " ".join(error.format_message().split())
-        print(f"pearlbvp: {message} (see --help)", file=sys.stderr)
-        status = UNUSABLE
-    except InputError as error:
-        print(f"pearlbvp: {error}", file=sys.stderr)
-        status = UNUSABLE
-    except (click.Abort, KeyboardInterrupt):
-        print("pearlbvp: interrupted", file=sys.stderr)
-        status = INTERRUPTED
+        status = _run(arguments)
+        sys.stdout.flush()
     except BrokenPipeError:  # the reader of our standard output has had enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_standard_output()
         status = DONE
     except OSError as error:
         print(f"pearlbvp: standard output: {error.strerror}; free space or use --out", file=sys.stderr)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_standard_output()
         status = UNUSABLE
-    sys.exit(status or DONE)
+    sys.exit(status)
+
+
+def _run(arguments: list[str] | None) -> int:
+    """The command's exit status; what a user did wrong is said in one line."""
+    try:
+        return int(cli.main(args=arguments, prog_name="pearlbvp", standalone_mode=False) or DONE)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        return UNUSABLE
+    except click.ClickException as error:
+        message = " ".join(error.format_message().split())
+        print(f"pearlbvp: {message} (see --help)", file=sys.stderr)
+        return UNUSABLE
+    except InputError as error:
+        print(f"pearlbvp: {error}", file=sys.stderr)
+        return UNUSABLE
+    except (click.Abort, KeyboardInterrupt):
+        print("pearlbvp: interrupted", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _drop_standard_output() -> None:
+    """Let nothing more be written, so that the interpreter's own flush at exit cannot fail again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -8,6 +8,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import event
+from numba.misc.appdirs import AppDirs
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -15,12 +16,19 @@ F = TypeVar("F", bound=Callable[..., Any])
 def compiled(function: F) -> F:
     """Compile ``function`` with numba at its first call and keep the machine code on disk for later processes.
 
-    Where neither the package's folder nor the user's cache can be written, the function is compiled in each process.
+    It is kept in the user's cache folder (or where ``NUMBA_CACHE_DIR`` says), not in the package's: files there that
+    the installer does not know of would outlive the package and hide the next one. Where nothing can be written, the
+    function is compiled in each process.
     """
+    config: Any = numba.config
+    chosen = config.CACHE_DIR
+    config.CACHE_DIR = chosen or AppDirs("pearlbvp", appauthor=False).user_cache_dir
     try:
         dispatcher: Any = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # numba's "no locator available": there is nowhere to keep the cache
         dispatcher = numba.njit(error_model="numpy")(function)
+    finally:
+        config.CACHE_DIR = chosen
     return cast(F, dispatcher)
 
 

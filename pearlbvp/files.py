@@ -20,7 +20,7 @@ def writable(name: str, path: str | os.PathLike[str]) -> Path:
     Raises:
         InputError: its folder does not exist or cannot be written to, or it is a folder itself.
     """
-    path = Path(path)
+    path = Path(os.path.realpath(path))  # what a link points to is written, not the link
     folder = path.parent
     if not folder.is_dir():
         raise InputError(f"{name}: the folder {folder} does not exist; make it first")
@@ -39,6 +39,9 @@ def write_whole(name: str, path: Path, write: Callable[[Path], None]) -> None:
     """
     temporary: Path | None = None
     try:
+        if path.exists() and not path.is_file():  # a device or a pipe: there is nothing to rename onto
+            write(path)
+            return
         handle, temporary_name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
         os.close(handle)
         temporary = Path(temporary_name)

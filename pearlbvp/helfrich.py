@@ -22,6 +22,9 @@ LENGTH_POWER = {
     "E": -2, "amplitude": 1, "r_min": 1, "r_max": 1,
 }  # fmt: skip
 
+LARGEST_C0, SHORTEST, LONGEST = 1e4, 1e-4, 1e8
+"""Beyond these a number is a mistake of units, and arithmetic loses its digits."""
+
 
 def in_units_of_radius(table: pd.DataFrame, radius: float) -> pd.DataFrame:
     """A table of a tube of radius 1 as that of a tube of ``radius``: every column times its power of the radius."""
@@ -75,6 +78,14 @@ class Tube:
     def __post_init__(self) -> None:
         object.__setattr__(self, "c0", finite("c0", self.c0))
         object.__setattr__(self, "length", positive("length", self.length))
+        if abs(self.c0) > LARGEST_C0:
+            raise InputError(
+                f"c0: {self.c0:g} is beyond {LARGEST_C0:g} in units of 1/radius; check its unit, or --radius"
+            )
+        if not SHORTEST <= self.length <= LONGEST:
+            raise InputError(
+                f"length: {self.length:g} radii is not between {SHORTEST:g} and {LONGEST:g}; check its unit"
+            )
 
     @classmethod
     def from_dimensional(cls, c0: float, length: float, radius: float) -> Tube:

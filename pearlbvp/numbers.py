@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from decimal import Decimal, InvalidOperation
 
 from pearlbvp.errors import InputError
+from pearlbvp.helfrich import finite
 
 MOST = 100_000
 """Longest list that a range may stand for."""
@@ -41,7 +43,9 @@ def parse_numbers(name: str, text: str) -> list[float]:
         if len(parts) != 3:
             raise InputError(f"{name}: {item.strip()!r} is no range; write start:stop:step, like 7.5:120:0.5")
         start, stop, step = (_number(name, part) for part in parts)
-        if step == 0 or (stop - start) / step < 0:
+        if step == 0:
+            raise InputError(f"{name}: {item.strip()!r} has a step of 0; choose one that divides the range")
+        if (stop - start) / step < 0:
             raise InputError(f"{name}: {item.strip()!r} never reaches {stop}; change the step's sign")
         if (stop - start) / step > MOST:
             raise InputError(f"{name}: {item.strip()!r} has more than {MOST} numbers; take a larger step")
@@ -50,4 +54,19 @@ def parse_numbers(name: str, text: str) -> list[float]:
                 f"{name}: {item.strip()!r} steps past its end {stop}; choose a step that divides the range"
             )
         numbers.extend(float(start + i * step) for i in range(int((stop - start) / step) + 1))
+    return numbers
+
+
+def as_numbers(name: str, values: float | str | Iterable[float]) -> list[float]:
+    """One number, several, or a text for ``parse_numbers``, as a list.
+
+    Raises:
+        InputError: something that is no finite number, or nothing at all.
+    """
+    if isinstance(values, str):
+        return parse_numbers(name, values)
+    several = values if isinstance(values, Iterable) else [values]
+    numbers = [finite(name, value) for value in several]
+    if not numbers:
+        raise InputError(f"{name}: the list is empty; give at least one number")
     return numbers

@@ -118,7 +118,18 @@ def test_modes_that_meet_share_their_kernel():
     assert list(meeting.kernel) == [6, 6]
 
 
-@pytest.mark.parametrize("arguments", [{"max_m": -1}, {"max_n": -2}])
+@pytest.mark.parametrize("arguments", [{"max_m": -1}, {"max_n": -2}, {"max_m": 2.5}, {"max_n": "3"}, {"max_m": 10**7}])
 def test_negative_wave_counts(arguments):
-    with pytest.raises(InputError, match="max_m"):
+    with pytest.raises(InputError, match="^max_"):
         branch_points(0.0, 10.0, **arguments)
+
+
+def test_a_tube_of_a_hundred_million_radii_costs_what_a_short_one_costs():
+    interval = stable_interval(Tube(0.48, 1e8))
+    assert interval.lower == pytest.approx(long_tube_interval(0.48)[0], abs=1e-12)
+
+
+@pytest.mark.parametrize(("c0", "length", "name"), [(1e200, 10, "c0"), (0, 1e200, "length"), (0, 1e-300, "length")])
+def test_numbers_beyond_reason(c0, length, name):
+    with pytest.raises(InputError, match=f"^{name}: .*check its unit"):
+        stable_interval(Tube(c0, length))

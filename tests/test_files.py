@@ -52,3 +52,19 @@ def test_places_that_cannot_be_written_to(tmp_path):
         writable("--out", tmp_path / "no" / "t.csv")
     with pytest.raises(InputError, match="^--plot: .* is a folder"):
         writable("--plot", tmp_path)
+
+
+def test_a_link_is_followed_and_a_device_is_written_to(tmp_path):
+    target, link = tmp_path / "target.csv", tmp_path / "link.csv"
+    target.write_text("old")
+    link.symlink_to(target)
+    write_whole("--out", writable("--out", link), lambda path: path.write_text("new") and None)
+    assert link.is_symlink()
+    assert target.read_text() == "new"
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole("--out", writable("--out", pipe), lambda path: path.write_text("new") and None)
+    assert os.read(reader, 10) == b"new"
+    os.close(reader)
+    assert stat.S_ISFIFO(pipe.stat().st_mode)

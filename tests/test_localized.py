@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,11 +12,15 @@ from scipy.optimize import brentq
 
 import pearls
 from pearlbvp.collocation import Discretization, PiecewisePolynomial
+from pearlbvp.continuation.path import correct
 from pearlbvp.errors import InputError
+from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.pearl import HALF_CELL
 from pearlbvp.stability.bloch import SecondVariation
+from pearlbvp.stability.spectrum import spectrum
 from pearlbvp.studies.localized import PeriodicPearls, localized_pearls
-from pearlbvp.studies.reference import beside
+from pearlbvp.studies.reference import beside, read_reference
+from pearlbvp.theory.dispersion import critical_wave_number
 
 PAPER = Path(__file__).parents[1] / "data" / "paper_localized.csv"
 
@@ -28,7 +31,7 @@ def table():
 
 
 def test_the_paper_s_table_as_corrected(table):
-    compared = beside(table, PAPER)
+    compared = beside(table, read_reference(PAPER))
     assert (compared.status == "found").all()
     np.testing.assert_allclose(compared.v, compared.v_corrected, atol=5.01e-6)
     # errata: the paper's own meshes are within 2e-4 of them
@@ -148,9 +151,9 @@ def test_unstable_at_onset_is_confirmed_by_bloch():
 @pytest.mark.parametrize(
     ("arguments", "name"),
     [
-        ((0.48, 7.5, [31]), "lengths: 31 is no multiple"),
+        ((0.48, 7.5, [31]), "lengths: 31 radii is no multiple"),
         ((0.48, 7.5, [-15]), "length: "),
-        ((0.48, 7.5, [float("nan")]), "length: "),
+        ((0.48, 7.5, [float("nan")]), "lengths: "),
         ((0.48, 7.5, []), "lengths: the list is empty"),
         ((0.48, 6.0, [12]), "period: .*2 pi"),
         ((0.48, 2 * math.pi, [12]), "period: .*2 pi"),
@@ -200,25 +203,87 @@ def test_a_fold_in_v_before_the_branch_point_is_reported():
     assert "fold in v" in folded.row(2)["message"]
 
 
-def test_a_wave_around_the_tube_that_comes_first_is_reported():
-    assert "n = 1" in replace(_curve(), others=(1, 1)).row(2)["message"]
-    last = len(_curve().path.points) - 1
-    assert replace(_curve(), others=(last, 1)).row(40)["status"] == "found"
+CASES = [(0.3, 18.0, 4), (0.3, 18.0, 6), (0.4, 13.45, 2), (0.4, 13.4, 2), (0.3, 24.75, 2), (0.5001, 6.5, 2), (0.45, 8.1, 3),
+         (0.48, 7.9, 2), (0.3323, 14.6, 5), (0.4397, 9.1, 7)]  # fmt: skip
 
 
-def test_reference_tables_that_do_not_fit(tmp_path, table):
+@pytest.mark.parametrize(("c0", "period", "count"), CASES)
+def test_pearls_are_stable_before_and_unstable_after(c0, period, count):
+    """All waves of all n that fit the tube, by Bloch spectra, on either side of the branch point found."""
+    curve = PeriodicPearls.trace(c0, period, count)
+    row = curve.row(count)
+    assert row["status"] == "found"
+    first, points = curve.path.points[0], curve.path.points[1:]
+    for factor, stable in ((0.7, True), (1.3, False)):
+        v = 1 + factor * (row["v"] - 1)
+        near = min(points, key=lambda p: abs(p.observables["v"] - v))
+        # Towards the cylinder amplitudes fall like the square root of v - 1.
+        base = near.problem.adopt(first.problem, first.u)
+        guess = base + math.sqrt((v - 1) / (near.observables["v"] - 1)) * (near.u - base)
+        direction = np.zeros_like(guess)
+        direction[-1] = 1
+        guess[-1] = v
+        result, _ = correct(near.problem, guess, direction, guess, 0.0, NewtonOptions(max_iterations=20))
+        assert result.converged
+        assert near.problem.observables(result.u)["amplitude"] > 0.3 * row["amplitude"]
+        assert (spectrum(near.problem.profile(result.u), count).n_unstable == 0) is stable
+
+
+def test_waves_of_ten_thousand_periods():
+    # The most critical period of a very long tube: stable at onset for every N, and N = 10^5 loses it last of all.
+    period = 2 * math.pi / critical_wave_number(0.48)
+    table = localized_pearls(0.48, period, [period * count for count in (10, 1000, 10**5)])
+    assert (table.status == "found").all()
+    assert table.v.is_monotonic_decreasing
+    assert table.v.iloc[2] < 1 + 1e-9
+
+
+def test_where_two_modes_begin_together_the_branch_point_is_the_onset():
+    # c0 = 0.48: 4 and 5 pearls begin at the same lambda2 on this tube.
+    row = localized_pearls(0.48, 8.6235978388238035, [34.494391355295214]).iloc[0]
+    assert (row.status, row.v) == ("found", pytest.approx(1, abs=1e-9))
+
+
+def test_so_few_periods_were_not_asked_for():
+    with pytest.raises(InputError, match="^pearls: 2 .*fewest"):
+        PeriodicPearls.trace(0.48, 7.5, 4).row(2)
+    with pytest.raises(InputError, match="^pearls: 0"):
+        PeriodicPearls.trace(0.48, 7.5, 0)
+
+
+def test_lengths_in_every_form():
+    one = localized_pearls(0.48, 7.5, 15)
+    for lengths in ("15", [15], np.array([15]), (np.float32(15),)):
+        assert localized_pearls(0.48, 7.5, lengths).equals(one)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a,b\n1,2\n", "needs columns to match"),
+        ("L\n15\n", "needs columns to match"),
+        ("L,v_x\n15\n", "2 columns but a row of 1"),
+        ("L,v_x\n15,1,2\n", "2 columns but a row of 3"),
+        ("L,v_x\nlong,2\n", "'long', which is no number"),
+        ("L,v_x\n", "no table"),
+        ("", "no table"),
+        ("L,v_x\n16,2\n", "no row of the file agrees"),
+        ("L,v_x\n15,2\n15,3\n", "two rows"),
+    ],
+)
+def test_reference_tables_that_do_not_fit(tmp_path, table, text, message):
     bad = tmp_path / "bad.csv"
-    bad.write_text("a,b\n1,2\n")
-    with pytest.raises(InputError, match="^compare: "):
-        beside(table, bad)
-    with pytest.raises(InputError, match="^compare: "):
-        beside(table, tmp_path / "none.csv")
-    bad.write_text("L,v_x\nlong,2\n")
-    with pytest.raises(InputError, match="^compare: .*numbers"):
-        beside(table, bad)
+    bad.write_text(text)
+    with pytest.raises(InputError, match=f"^compare: .*{message}"):
+        beside(table, read_reference(bad))
+
+
+def test_reference_tables_that_fit(tmp_path, table):
     good = tmp_path / "good.csv"
-    good.write_text("L,v_x\n45,2\n")
-    assert beside(pd.DataFrame(table), good).v_x.dropna().tolist() == [2]
+    good.write_text("# of somebody\nL,v_x\n45,2\n15,\n")
+    assert beside(table, read_reference(good)).v_x.dropna().tolist() == [2]
+    with pytest.raises(InputError, match="^compare: .*cannot be read"):
+        read_reference(tmp_path / "none.csv")
 
 
 def test_profiles_of_the_path_are_functions():

@@ -68,8 +68,26 @@ def test_an_interrupted_scan_keeps_its_rows(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    ("c0", "lengths", "name"), [(0.48, [], "lengths"), ([], [10], "lengths"), ("x", [10], "c0"), (0.48, [0], "length")]
+    ("c0", "lengths", "name"), [(0.48, [], "lengths"), ([], [10], "c0"), ("x", [10], "c0"), (0.48, [0], "length")]
 )
 def test_mistakes(c0, lengths, name):
     with pytest.raises(InputError, match=f"^{name}: "):
         pearl_periods(c0, lengths)
+
+
+def test_every_case_of_an_iterator():
+    assert len(pearl_periods(iter([0.4, 0.48]), iter([20, 21]), progress=False)) == 4
+    assert pearl_periods("0.4,0.48", "20:21:1", progress=False).equals(
+        pearl_periods([0.4, 0.48], [20, 21], progress=False)
+    )
+
+
+@pytest.mark.parametrize("processes", [0, -3, "2"])
+def test_processes_are_counted(processes):
+    with pytest.raises(InputError, match="^processes: "):
+        pearl_periods(0.48, [15], processes=processes)
+
+
+def test_modes_near_one_quarter_do_not_break_the_table():
+    table = pearl_periods(0.27, "66:76:2", progress=False)
+    assert set(table.localized_status) <= {"found", "single_pearl"}

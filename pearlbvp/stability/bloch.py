@@ -63,7 +63,7 @@ def isothermal_points(profile: Profile, count: int) -> tuple[Array, float]:
 
 
 @lru_cache(maxsize=64)
-def _waves(count: int, theta: float, parity: str | None) -> tuple[NDArray[Any], NDArray[Any], Array]:
+def _waves(count: int, theta: float, parity: str | None) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Waves, their derivatives, and wave numbers per period, at the points ``(j + 1/2) / count``.
 
     Without parity: ``e^{i kappa xi}`` on ``count`` points. With parity: cosines or sines on the first half of the points,

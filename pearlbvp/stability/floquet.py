@@ -57,26 +57,48 @@ def multipliers(profile: Profile, n: int, mu: float = 0.0) -> NDArray[np.complex
     return rho[np.argsort(np.abs(rho))]
 
 
-def neutral_cosines(profile: Profile, n: int, mu: float = 0.0) -> NDArray[np.complex128]:
-    """The two values of ``2 cos(theta) = rho + 1/rho`` of a profile with reflection symmetry, shape (2,).
-
-    With the half-period map ``Phi`` and the reflection ``R = diag(1, -1, 1, -1)`` the monodromy matrix is
-    ``R Phi^{-1} R Phi``, and ``M + M^{-1}`` commutes with ``R``: its block on ``(w, D)``, which is ``4 P A - 2`` with the
-    ``(w, D)`` blocks ``A`` of ``Phi`` and ``P`` of ``Phi^{-1}``, has both values as simple eigenvalues. (For Hill's
-    equation this is ``cos theta = 2 A D - 1``; W. Magnus, S. Winkler, Hill's Equation (1966), §1.3.)
-
-    At ``n = 0`` and ``n = 1`` the value nearest to 2 is that of the translations; it comes first. A real value between
-    -2 and 2 is a pair of neutral Bloch waves (of waves with growth rate ``mu``, where one is given).
+def _half_period_maps(profile: Profile, n: int, mu: float) -> tuple[Array, Array]:
+    """The ``(w, D)`` blocks ``A`` of the half-period map and ``P`` of its inverse, each of shape (2, 2).
 
     Raises:
         ValueError: the profile is not given as a half period.
     """
     if not profile.half:
-        raise ValueError("profile: neutral_cosines needs half a period between planes of reflection; use multipliers")
+        raise ValueError("profile: it must be half a period between planes of reflection; use multipliers for others")
     scheme, mesh = profile.states.scheme, profile.states.mesh
     a0, a1 = transfer_pencil(scheme, np.diff(mesh), jacobi_matrices(profile, n, mu))
     even = [0, 2]
-    forward = np.linalg.solve(a1, -a0[:, even])[even]
-    backward = np.linalg.solve(a0, -a1[:, even])[even]
+    forward, backward = np.linalg.solve(a1, -a0[:, even]), np.linalg.solve(a0, -a1[:, even])
+    return np.asarray(forward[even]), np.asarray(backward[even])
+
+
+def neutral_cosines(profile: Profile, n: int, mu: float = 0.0) -> NDArray[np.complex128]:
+    """The two values of ``2 cos(theta) = rho + 1/rho`` of a profile with reflection symmetry, shape (2,).
+
+    With the half-period map ``Phi`` and the reflection ``R = diag(1, -1, 1, -1)`` the monodromy matrix is
+    ``R Phi^{-1} R Phi``, and ``M + M^{-1}`` commutes with ``R``: its block on ``(w, D)``, which is ``4 P A - 2`` with
+    the ``(w, D)`` blocks ``A`` of ``Phi`` and ``P`` of ``Phi^{-1}``, has both values as simple eigenvalues. (For Hill's
+    equation this is ``cos theta = 2 A D - 1``; W. Magnus, S. Winkler, Hill's Equation (1966), §1.3.)
+
+    At ``n = 0`` and ``n = 1`` the value nearest to 2 is that of the translations; it comes first. A real value between
+    -2 and 2 is a pair of neutral Bloch waves (of waves with growth rate ``mu``, where one is given); a value that is
+    not real belongs to four multipliers off the unit circle.
+
+    Raises:
+        ValueError: the profile is not given as a half period.
+    """
+    forward, backward = _half_period_maps(profile, n, mu)
     cosines: NDArray[np.complex128] = np.asarray(4 * np.linalg.eigvals(backward @ forward) - 2, dtype=complex)
     return cosines[np.argsort(np.abs(cosines - 2))]
+
+
+def alternating_determinants(profile: Profile) -> tuple[float, float]:
+    """Two functions of a pearl whose zeros are its neutral axisymmetric waves that change sign from cell to cell.
+
+    The first belongs to waves even about the belly, ``det A``: such a wave begins with ``w' = D' = 0`` and ends half a
+    period on with ``w = D = 0``. The second, ``det P``, belongs to those even about the neck. Their product gives the
+    cosine of the wave that is no translation, ``2 cos(theta) = 4 det A det P - 2``: where ``theta`` passes pi, each
+    factor changes its sign for itself, while their product may do no more than touch -2.
+    """
+    forward, backward = _half_period_maps(profile, 0, 0.0)
+    return float(np.linalg.det(forward)), float(np.linalg.det(backward))

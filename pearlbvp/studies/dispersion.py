@@ -13,6 +13,8 @@ from pearlbvp.theory.dispersion import critical_lambda2, mode_type, stable_inter
 
 COLUMNS = ["m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role"]
 
+MOST_ROWS = 1_000_000
+
 
 def branch_points(c0: float, length: float, max_m: int | None = None, max_n: int = 4) -> pd.DataFrame:
     """Every branch point of the straight tube with ``m <= max_m`` waves along it and ``n <= max_n`` around it.
@@ -35,8 +37,11 @@ def branch_points(c0: float, length: float, max_m: int | None = None, max_n: int
     tube = Tube(c0, length)
     if max_m is None:
         max_m = math.ceil(tube.length / (2 * math.pi)) + 1
-    if max_m < 0 or max_n < 0:
-        raise InputError(f"max_m, max_n: {min(max_m, max_n)} is negative; give 0 or more")
+    for name, most in (("max_m", max_m), ("max_n", max_n)):
+        if not isinstance(most, (int, np.integer)) or most < 0:
+            raise InputError(f"{name}: {most!r} must be a whole number, 0 or more")
+    if (max_m + 1) * (max_n + 1) > MOST_ROWS:
+        raise InputError(f"max_m: {(max_m + 1) * (max_n + 1)} branch points are too many to list; give a smaller max_m")
     interval = stable_interval(tube)
     roles = {interval.upper_mode: "upper"} | ({interval.lower_mode: "lower"} if interval.lower_mode else {})
     modes = {(m, n) for m in range(max_m + 1) for n in range(max_n + 1)} | set(roles)

@@ -20,8 +20,10 @@ from pearlbvp.continuation import Path, PathOptions, Point, follow
 from pearlbvp.continuation.chebyshev import PathFunctions, Unresolved, resolve
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, positive
+from pearlbvp.numbers import as_numbers
 from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
-from pearlbvp.stability.floquet import neutral_cosines
+from pearlbvp.stability.floquet import alternating_determinants, multipliers
+from pearlbvp.stability.spectrum import spectrum
 from pearlbvp.theory.dispersion import stable_interval
 
 if TYPE_CHECKING:
@@ -31,29 +33,32 @@ COLUMNS = ["c0", "period", "L", "pearls", "status", "lambda1", "lambda2", "v", "
 THINNEST_NECK = 0.1
 """Radius of the neck at which the search along the pearls ends."""
 
-_FUNCTIONS = ("lambda1", "lambda2", "v", "E", "amplitude_squared", "cosine")
-_V, _COSINE = _FUNCTIONS.index("v"), _FUNCTIONS.index("cosine")
+_FUNCTIONS = ("lambda1", "lambda2", "v", "E", "amplitude_squared", "sum", "cosine")
+_V, _SUM, _COSINE = (_FUNCTIONS.index(name) for name in ("v", "sum", "cosine"))
 
 
 def _functions(problem: PearlProblem, u: Array) -> Array:
-    """The smooth functions of a solution, in the order of ``_FUNCTIONS``.
+    """The smooth functions of a solution, in the order of ``_FUNCTIONS``: even where pearls shift by half a period.
 
-    The amplitude is half the belly's radius minus the neck's, which changes sign at onset: its square is smooth.
+    The amplitude is half the belly's radius minus the neck's, which changes sign then: its square is even. The two
+    alternating determinants change places: their sum and product are even, ``2 cos(theta) = 4 product - 2``.
     """
     observed = problem.observables(u)
     radii = problem.discretization.values(u)[[0, -1], 0]
-    cosine = neutral_cosines(problem.profile(u), 0)[1].real
-    return np.array([*(observed[name] for name in _FUNCTIONS[:4]), ((radii[0] - radii[1]) / 2) ** 2, cosine])
+    even, odd = alternating_determinants(problem.profile(u))
+    squared = ((radii[0] - radii[1]) / 2) ** 2
+    return np.array([*(observed[name] for name in _FUNCTIONS[:4]), squared, even + odd, 4 * even * odd - 2])
 
 
-def _non_axisymmetric_wave(point: Point[PearlProblem]) -> int | None:
-    """The smallest ``n`` of 1, 2 with a neutral Bloch wave at a point of the path, if any."""
+def _has_wave_around(point: Point[PearlProblem]) -> bool:
+    """Whether a point has a neutral Bloch wave of ``n = 1`` or 2 at all, whether or not it fits a tube."""
+    profile = point.problem.profile(point.u)
     for n in (1, 2):
-        cosines = neutral_cosines(point.problem.profile(point.u), n)
-        others = cosines[1:] if n == 1 else cosines
-        if (np.abs(others.imag) > 1e-9 * np.abs(others)).any() or (np.abs(others.real) <= 2).any():
-            return n
-    return None
+        rho = multipliers(profile, n)
+        others = rho[np.argsort(np.abs(rho - 1))][2 if n == 1 else 0 :]  # without the translations across the axis
+        if (np.abs(np.abs(others) - 1) < 1e-6).any():
+            return True
+    return False
 
 
 @dataclass(frozen=True)
@@ -62,16 +67,17 @@ class PeriodicPearls:
 
     Attributes:
         c0, period: the case.
+        fewest: smallest number of periods for which the search went far enough.
         path: the computed points, half a pearl each.
-        functions: ``lambda1, lambda2, v, E``, the squared amplitude and ``2 cos(theta)`` along the path.
-        others: index of the first point with a neutral wave of ``n = 1`` or 2, and that ``n``; None if there is none.
+        functions: ``lambda1, lambda2, v, E``, the squared amplitude, the sum of ``alternating_determinants`` and
+            ``2 cos(theta)`` along the path.
     """
 
     c0: float
     period: float
+    fewest: int
     path: Path[PearlProblem]
     functions: PathFunctions
-    others: tuple[int, int] | None
 
     @classmethod
     def trace(cls, c0: float, period: float, fewest: int = 2, *, intervals: int = 8, degree: int = 6) -> PeriodicPearls:
@@ -89,82 +95,111 @@ class PeriodicPearls:
             Unresolved: the functions along the path could not be resolved.
         """
         tube = Tube(c0, check_period(period))
+        check_pearls(fewest, 2)
         goal = 2 * math.cos(2 * math.pi / fewest)
         problem, u, tangent = pearling_onset(tube, intervals=intervals, degree=degree)
+        start = Point(problem, u, tangent, problem.observables(u))
+        at_onset = _functions(problem, u)
 
         def stop(point: Point[PearlProblem]) -> str | None:
-            if neutral_cosines(point.problem.profile(point.u), 0)[1].real < goal:
+            here = _functions(point.problem, point.u)
+            if here[_COSINE] < goal or here[_SUM] * at_onset[_SUM] < 0:
                 return "unstable"
             return "neck" if point.observables["r_min"] < THINNEST_NECK else None
 
-        start = Point(problem, u, tangent, problem.observables(u))
         path = follow(start, PathOptions(step=0.1), stop)
         if len(path.points) == 1:
-            raise Unresolved(f"the pearls could not be followed from their onset: {path.reason}")
-        functions = resolve(path.points, _functions, pitchfork=True)
-        waves = ((i, _non_axisymmetric_wave(point)) for i, point in enumerate(path.points))
-        others = next(((i, n) for i, n in waves if n is not None), None)
-        return cls(tube.c0, tube.length, path, functions, others)
+            raise Unresolved(
+                f"the pearls could not be followed from their onset ({path.reason}); take a period further from 2 pi"
+            )
+        return cls(tube.c0, tube.length, fewest, path, resolve(path.points, _functions, pitchfork=True))
 
     def neutral_angle(self, x: Array) -> Array:
         """Angle of the neutral Bloch wave at ``x``, from 0 to pi; 0 or pi where there is none."""
         return np.arccos(np.clip(self.functions(x)[:, _COSINE] / 2, -1, 1))
 
     @cached_property
-    def _sampled_angle(self) -> tuple[Array, Array]:
-        x = np.linspace(0, len(self.functions.coefficients), 1001)
-        return x, self.neutral_angle(x)
-
-    @cached_property
     def _folds(self) -> Array:
         return self.functions.crossings(_V, derivative=1)
 
-    def loss_of_stability(self, pearls: int) -> tuple[float, int] | None:
-        """Where pearls on ``pearls`` periods first meet a neutral wave that fits: coordinate ``x`` and its number ``j``."""
-        x, angle = self._sampled_angle
-        below = np.floor(angle * pearls / (2 * math.pi) + 1e-12).astype(int)
-        changed = np.flatnonzero(below != below[0])
-        if changed.size == 0:
-            return None
-        left, right = x[changed[0] - 1], x[changed[0]]
-        j = max(below[changed[0] - 1], below[changed[0]])
-        roots = self.functions.crossings(_COSINE, 2 * math.cos(2 * math.pi * j / pearls))
-        inside = roots[(roots >= left - 1e-12) & (roots <= right + 1e-12)]
-        return (float(inside[0]), int(j)) if inside.size else None
+    @cached_property
+    def _waves_around(self) -> list[int]:
+        """Indices of the path's points with a neutral wave of ``n = 1`` or 2."""
+        return [i for i, point in enumerate(self.path.points) if _has_wave_around(point)]
+
+    def loss_of_stability(self, pearls: int) -> float | None:
+        """Coordinate ``x`` at which pearls on ``pearls`` periods lose stability to one localized pearl.
+
+        Waves with an angle from 0 to ``theta`` grow. Pearls that are stable at onset have ``theta <= 2 pi / N`` there,
+        so the first wave to grow is that with ``j = 1``, where ``theta`` reaches it for the first time.
+        """
+        level = 2 * math.cos(2 * math.pi / pearls)
+        if self.functions(np.zeros(1))[0, _COSINE] <= level * (1 + 1e-14):
+            return 0.0
+        found = [float(x) for x in self.functions.crossings(_COSINE, level)]
+        if pearls == 2:
+            # Where theta passes pi the cosine may do no more than touch -2. The sum of its two factors has a simple
+            # zero there, at which their product is negative: the first zero of the product lies before.
+            found += [self._first_alternating(float(x)) for x in self.functions.crossings(_SUM)]
+        return min(found, default=None)
+
+    def _first_alternating(self, x: float) -> float:
+        """The zero of ``2 cos(theta) + 2`` before a zero ``x`` of the sum of its factors, by bisection."""
+        low, high = 0.0, x
+        for _ in range(52):
+            middle = (low + high) / 2
+            if self.functions(np.array([middle]))[0, _COSINE] > -2:
+                low = middle
+            else:
+                high = middle
+        return high
 
     def row(self, pearls: int) -> dict[str, object]:
-        """``status``, ``message`` and the values at the localized pearl's branch point on ``pearls`` periods."""
-        found = self.loss_of_stability(pearls)
-        x = math.inf if found is None else found[0]
-        if (self._folds < x).any():
+        """``status``, ``message`` and the values at the localized pearl's branch point on ``pearls`` periods.
+
+        Raises:
+            InputError: the path was not followed far enough for so few periods.
+        """
+        check_pearls(pearls, self.fewest)
+        x = self.loss_of_stability(pearls)
+        if (self._folds < (math.inf if x is None else x)).any():
             v = float(self.functions(self._folds[:1])[0, _V])
             return _no(f"the pearls lose stability at a fold in v = {v:.6g} before any localized pearl branches off")
-        if self.others is not None and (found is None or self._before(x, self.others[0])):
-            n = self.others[1]
+        v_end = math.inf if x is None else float(self.functions(np.array([x]))[0, _V])
+        n = self._wave_around_before(v_end, pearls)
+        if n is not None:
             return _no(f"the pearls lose stability to a wave of n = {n} before any localized pearl branches off")
-        if found is None:
+        if x is None:
             if not self.path.complete:
                 return {
                     "status": "failed",
                     "message": f"the pearls could not be followed far enough: {self.path.reason}",
                 }
             return _no(f"the pearls stay stable until their necks are thinner than {THINNEST_NECK}")
-        if found[1] != 1:
-            return _no(
-                f"the pearls lose stability to a wave of {found[1]} periods on the tube, not to one localized pearl"
-            )
         values = dict(zip(_FUNCTIONS, map(float, self.functions(np.array([x]))[0]), strict=True))
-        values["amplitude"] = math.sqrt(values["amplitude_squared"])
+        values["amplitude"] = math.sqrt(max(values["amplitude_squared"], 0.0))
         return {"status": "found", **{name: values[name] for name in COLUMNS[5:10]}, "message": ""}
 
-    def _before(self, x: float, index: int) -> bool:
-        """Whether the path's point ``index``, or the stretch that leads up to it, lies before ``x``."""
-        reached = self.path.points[max(index - 1, 0)].observables["v"]
-        return bool(float(self.functions(np.array([x]))[0, _V]) > reached)
+    def _wave_around_before(self, v_end: float, pearls: int) -> int | None:
+        """The ``n`` of a growing non-axisymmetric wave that fits ``pearls`` periods, at the points of the path before."""
+        for index in self._waves_around:
+            point = self.path.points[index]
+            if index > 0 and point.observables["v"] < v_end:
+                found = spectrum(point.problem.profile(point.u), pearls)
+                unstable = [block.n for block, rates in found.rates.items() if block.n > 0 and rates[0] > found.neutral]
+                if unstable:
+                    return min(unstable)
+        return None
 
 
 def _no(message: str) -> dict[str, object]:
     return {"status": "none_in_range", "message": message}
+
+
+def check_pearls(pearls: int, fewest: int) -> None:
+    """Raise InputError unless ``pearls`` is a whole number from ``fewest`` on."""
+    if pearls != int(pearls) or pearls < fewest:
+        raise InputError(f"pearls: {pearls} must be a whole number from {fewest} on; trace(fewest=...) goes further")
 
 
 def check_period(period: float) -> float:
@@ -197,7 +232,7 @@ def onset_status(tube: Tube, pearls: int) -> dict[str, object] | None:
     return None
 
 
-def localized_pearls(c0: float, period: float, lengths: Iterable[float]) -> pd.DataFrame:
+def localized_pearls(c0: float, period: float, lengths: float | str | Iterable[float]) -> pd.DataFrame:
     """Branch points of the localized pearl from the pearls of a period, on tubes of several lengths.
 
     One continuation serves all lengths, so 200 lengths cost what 4 cost, and a long tube what a short one costs.
@@ -205,7 +240,7 @@ def localized_pearls(c0: float, period: float, lengths: Iterable[float]) -> pd.D
     Args:
         c0: spontaneous curvature.
         period: axial period of the pearls, in radii of the straight tube.
-        lengths: tube lengths, multiples of the period.
+        lengths: tube lengths, multiples of the period; a number, several, or a text like ``15:600:15``.
 
     Returns:
         A row a length, in the order given: ``c0, period, L, pearls, status, lambda1, lambda2, v, E, amplitude,
@@ -217,7 +252,7 @@ def localized_pearls(c0: float, period: float, lengths: Iterable[float]) -> pd.D
     """
     import pandas as pd  # a quarter of a second, in which the command line lets another process find the rows
 
-    return pd.DataFrame(localized_rows(c0, period, list(lengths)), columns=COLUMNS)
+    return pd.DataFrame(localized_rows(c0, period, as_numbers("lengths", lengths)), columns=COLUMNS)
 
 
 def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[str, object]]:
@@ -229,10 +264,10 @@ def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[
         pearls = round(tube.length / period)
         if pearls < 1 or abs(tube.length - pearls * period) > 1e-9 * tube.length:
             near = max(pearls, 1) * period
-            raise InputError(f"lengths: {length:g} is no multiple of the period {period:g}; the nearest is {near:.12g}")
+            raise InputError(
+                f"lengths: {length:g} radii is no multiple of the period {period:g}; the nearest is {near:.12g}"
+            )
         cases.append((tube, pearls, onset_status(tube, pearls)))
-    if not cases:
-        raise InputError("lengths: the list is empty; give at least one length")
     wanted = [pearls for _, pearls, status in cases if status is None and pearls > 1]
     failure, curve = "", None
     if wanted:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator
 
+import numpy as np
 import pandas as pd
 
 from pearlbvp.continuation.chebyshev import Unresolved
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, finite
+from pearlbvp.helfrich import Tube
+from pearlbvp.numbers import as_numbers
 from pearlbvp.studies.localized import PeriodicPearls
 from pearlbvp.theory.dispersion import stable_interval
 
@@ -39,7 +41,7 @@ def pearl_period(c0: float, length: float) -> dict[str, object]:
         return row | {"localized_status": "single_pearl"}
     try:
         found = PeriodicPearls.trace(tube.c0, tube.length / pearls, pearls).row(pearls)
-    except (Unresolved, ArithmeticError) as error:
+    except (Unresolved, np.linalg.LinAlgError) as error:
         found = {"status": "failed", "message": str(error)}
     return row | {"v_localized": found.get("v"), "localized_status": found["status"], "message": found["message"]}
 
@@ -63,8 +65,8 @@ def scan(cases: list[tuple[float, float]], processes: int | None = None) -> Iter
 
 
 def pearl_periods(
-    c0: float | Iterable[float],
-    lengths: Iterable[float],
+    c0: float | str | Iterable[float],
+    lengths: float | str | Iterable[float],
     *,
     processes: int | None = None,
     progress: bool | None = None,
@@ -72,8 +74,8 @@ def pearl_periods(
     """Number of pearls, their period, the stable interval and the localized pearl's branch point, for every length.
 
     Args:
-        c0: one spontaneous curvature or several.
-        lengths: tube lengths in radii.
+        c0: spontaneous curvature: a number, several, or a text like ``0.3,0.48``.
+        lengths: tube lengths in radii, likewise (``7.5:120:0.5``).
         processes: how many to use (``None``: as many as help).
         progress: show a bar on standard error (``None``: if that is a terminal).
 
@@ -87,10 +89,10 @@ def pearl_periods(
     """
     from tqdm import tqdm  # a tenth of a second to import, and only scans need it
 
-    curvatures = [finite("c0", value) for value in ([c0] if isinstance(c0, (int, float)) else c0)]
-    cases = [(curvature, Tube(curvature, length).length) for curvature in curvatures for length in list(lengths)]
-    if not cases:
-        raise InputError("lengths: the list is empty; give at least one c0 and one length")
+    lengths = as_numbers("lengths", lengths)
+    cases = [(value, Tube(value, length).length) for value in as_numbers("c0", c0) for length in lengths]
+    if processes is not None and (not isinstance(processes, int) or processes < 1):
+        raise InputError(f"processes: {processes!r} must be a whole number, 1 or more")
     rows: list[dict[str, object]] = []
     bar = tqdm(total=len(cases), unit="tube", disable=None if progress is None else not progress, file=sys.stderr)
     with bar:

@@ -71,29 +71,37 @@ class StableInterval:
 
 
 def stable_interval(tube: Tube) -> StableInterval:
-    """The stable interval of a straight tube of finite length.
+    """The stable interval of a straight tube of finite length, at a cost that does not depend on the length.
 
-    Every other upper end is below the wrinkling mode (0, 2) at 3/2, so only modes with ``q <= 4 + 2|1 - 2 c0|`` and
-    the shortest pearls with ``k > 1`` need to be looked at.
+    Over wave numbers each curve ``lambda2(k, n)`` has at most one extremum, so of all modes of one ``n`` only those next
+    to it and next to ``k = 0`` and ``k = 1`` can end the interval. No ``n`` counts that begins above (0, 2), at 3/2.
     """
     c0, per_k = tube.c0, tube.length / (2 * math.pi)
-    q_max = 4 + 2 * abs(1 - 2 * c0)
-    m = np.arange(0, math.floor(max(math.sqrt(q_max), 1) * per_k) + 2)[:, None]
-    n = np.arange(0, math.floor(math.sqrt(q_max)) + 1)[None, :]
+    n_max = math.floor(math.sqrt(4 + 2 * max(0.0, 2 * c0 - 1))) + 1
+    n = np.arange(n_max + 1)
+    e = n**2 - 1.0
+    with np.errstate(invalid="ignore"):
+        # d lambda2 / d kappa = 1/2 + (1 - 2 c0) e / (kappa + e)^2 vanishes at kappa = -e +- sqrt(2 (2 c0 - 1) e).
+        root = np.sqrt(2 * (2 * c0 - 1) * e)
+        extrema = np.sqrt(np.column_stack((-e - root, -e + root))) * per_k
+    near = np.floor(np.nan_to_num(extrema))
+    ends = np.broadcast_to([0.0, math.floor(per_k)], (n.size, 2))
+    m = np.concatenate((near, near + 1, ends, ends + 1, ends - 1), axis=1).clip(0)
     k = m / per_k
-    critical = critical_lambda2(k, n, c0)
-    pearling_below = (n == 0) & (m > 0) & (k <= 1)
+    modes = n[:, None] + 0 * m
+    critical = critical_lambda2(k, modes, c0)
+    pearling_below = (modes == 0) & (m > 0) & (k <= 1)
     lower = np.where(pearling_below & (k < 1), critical, -np.inf)
     if c0 > 0.5:  # at k = 1 exactly, mu = 2 c0 - 1 > 0 whatever lambda2
         lower = np.where(pearling_below & (k == 1), np.inf, lower)
-    upper = np.where(k**2 + n**2 > 1, critical, np.inf)
+    upper = np.where(k**2 + modes**2 > 1, critical, np.inf)
     first = np.unravel_index(np.argmax(lower), lower.shape)
     last = np.unravel_index(np.argmin(upper), upper.shape)
     return StableInterval(
         lower=float(lower[first]),
-        lower_mode=None if np.isneginf(lower[first]) else (int(first[0]), int(first[1])),
+        lower_mode=None if np.isneginf(lower[first]) else (int(m[first]), int(modes[first])),
         upper=float(upper[last]),
-        upper_mode=(int(last[0]), int(last[1])),
+        upper_mode=(int(m[last]), int(modes[last])),
     )
 
 
