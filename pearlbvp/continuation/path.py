@@ -1,4 +1,4 @@
-"""Path following by pseudo-arclength: Euler predictor, Newton corrector, step control.
+"""Path following by pseudo-arclength: predictor from the last tangents, Newton corrector, step control.
 
 Source: H. B. Keller, in: Applications of Bifurcation Theory (Academic Press 1977), 359-384; step control as in
 E. J. Doedel, H. B. Keller, J. P. Kernevez, Int. J. Bifurcation Chaos 1 (1991) 493, by the corrector's iterations.
@@ -118,9 +118,12 @@ def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
         PathEnd: the smallest step fails, or a new mesh does.
     """
     step, point = options.step, start
+    bend: Array | None = None  # derivative of the tangent by arclength, from the last two on the same mesh
     while True:
         problem, inner = point.problem, point.problem.inner
         predicted = point.u + step * point.tangent
+        if bend is not None:
+            predicted += step**2 / 2 * bend
         result, tangent = correct(problem, predicted, point.tangent, point.u, step, options.newton)
         if result.converged:
             tangent = tangent / math.sqrt(inner(tangent, tangent))
@@ -134,9 +137,11 @@ def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
                 raise PathEnd(f"the step fell below min_step = {options.min_step:g}: {why}")
             continue
         u = result.u
+        bend = (tangent - point.tangent) / step
         moved = problem.remesh(u, tangent)
         if moved is not None:
             problem, (u, tangent) = moved
+            bend = None
             again, tangent = correct(problem, u, tangent, u, 0.0, options.newton)
             if not again.converged:
                 raise PathEnd(f"no convergence after remeshing: {again.message}")
