@@ -9,6 +9,7 @@ import importlib
 import multiprocessing
 import os
 import sys
+import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -240,6 +241,164 @@ def period(
 
     status = _write(table, out, plot, draw)
     return INTERRUPTED if len(table) < len(c0) * len(lengths) else status
+
+
+class Until(click.ParamType):
+    """``NAME=VALUE``."""
+
+    name = "name=value"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
+        """Split and parse the text."""
+        from pearlbvp.helfrich import finite
+
+        name, equals, number = str(value).partition("=")
+        if not equals:
+            raise InputError(f"--until: {value!r} must be NAME=VALUE, like v=1.1")
+        return name.strip(), finite("--until", number)  # type: ignore[arg-type]
+
+
+class ModeNumbers(click.ParamType):
+    """``m,n``: waves along and around the tube."""
+
+    name = "m,n"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
+        """Split and parse the text."""
+        m, comma, n = str(value).partition(",")
+        if not (comma and m.strip().isdigit() and n.strip().isdigit()):
+            raise InputError(f"--mode: {value!r} must be two whole numbers m,n, like 1,0")
+        return int(m), int(n)
+
+
+@cli.command(
+    epilog="Examples:  pearlbvp branch pearl --c0 0 --length 10 --until v=1.3 --save b.h5 --plot b.png  |  "
+    "pearlbvp branch pearl --resume b.h5 --until v=1.34  |  "
+    "pearlbvp branch pearl --resume b.h5 --switch 1 --centre neck --until v=1.2"
+)
+@click.argument("family", type=click.Choice(["pearl"]))
+@click.option("--c0", type=Number(), help="Spontaneous curvature.")
+@click.option("--length", type=Number(), metavar="L", help="Axial period of the tube.")
+@click.option("--mode", type=ModeNumbers(), default="1,0", show_default=True, help="Waves along and around the tube.")
+@click.option("--until", type=Until(), multiple=True, help="Stop exactly there; the first reached counts.")
+@click.option(
+    "--max-points", type=click.IntRange(min=2), default=200, show_default=True, help="End after so many more."
+)
+@click.option("--step", type=Number(), default=0.1, show_default=True, help="First step along the branch.")
+@click.option("--max-step", type=Number(), default=0.5, show_default=True, help="Largest step along the branch.")
+@click.option("--tolerance", type=Number(), default=1e-9, show_default=True, help="Error of the profile.")
+@click.option("--pressure", is_flag=True, help="Stability at fixed area and given pressure, not fixed volume.")
+@click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the whole branch.")
+@click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved branch.")
+@click.option("--switch", type=int, metavar="K", help="With --resume: follow the branch at its K-th bp instead.")
+@click.option("--centre", type=click.Choice(["pearl", "neck"]), default="pearl", show_default=True,
+              help="With --switch: what the new shapes are centred on.")  # fmt: skip
+@click.option("--vary", type=click.Choice(["c0", "L"]), help="With --resume: vary this from a point on, at fixed v.")
+@click.option(
+    "--keep", type=click.Choice(["v", "lambda2"]), default="v", show_default=True, help="With --vary: what stays."
+)
+@click.option("--point", type=int, default=-1, help="With --vary: from which point.  [default: the last]")
+@click.option("--down", is_flag=True, help="With --vary: towards smaller values.")
+@click.option("--shrink", is_flag=True, help="With --switch: the half on which the tube shrinks at its centre.")
+@_outputs
+def branch(
+    family: str,
+    c0: float | None,
+    length: float | None,
+    mode: tuple[int, int],
+    until: tuple[tuple[str, float], ...],
+    max_points: int,
+    step: float,
+    max_step: float,
+    tolerance: float,
+    pressure: bool,
+    save: Path | None,
+    resume: Path | None,
+    switch: int | None,
+    centre: str,
+    vary: str | None,
+    keep: str,
+    point: int,
+    down: bool,
+    shrink: bool,
+    out: Path | None,
+    plot: Path | None,
+    radius: float,
+) -> int:
+    """Follow a branch of shapes, with its special points and the stability of every point.
+
+    Columns: point, special (start, bp, fold:NAME, stop, end), lambda1, lambda2, v, E, amplitude, r_min, r_max,
+    n_unstable, mu_crit (largest growth rate over all perturbations that fit the tube), critical (its n, and
+    its wave number j per periods on the tube).
+    """
+    from pearlbvp.files import writable
+    from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius
+
+    out, plot = _check_outputs(out, plot)
+    save = None if save is None else writable("--save", save)
+    if resume is None and (c0 is None or length is None):
+        raise InputError("--c0, --length: give both, or --resume a saved branch")
+    if resume is not None and (c0 is not None or length is not None):
+        raise InputError("--resume: the saved branch has its own c0 and length; leave --c0 and --length out")
+    if (switch is not None or vary is not None) and resume is None:
+        raise InputError("--switch, --vary: they need --resume, the saved branch that they start from")
+    if switch is not None and vary is not None:
+        raise InputError("--switch, --vary: choose one of them")
+    if mode[1] != 0:
+        raise InputError(f"--mode: pearls have n = 0, so {mode[0]},{mode[1]} is none of them; give {max(mode[0], 1)},0")
+    from tqdm import tqdm
+
+    from pearlbvp.studies import branch as study
+
+    wanted = {name: value / radius ** LENGTH_POWER.get(name, 0) for name, value in until}
+    with tqdm(unit="point", disable=None) as bar:
+        checkpoint = _Checkpoint(save)
+
+        def progress(so_far: Any) -> None:
+            bar.set_postfix(v=f"{so_far.points[-1].observables['v']:.5f}", refresh=False)
+            bar.update(len(so_far.points) - bar.n)
+            checkpoint(so_far)
+
+        options = study.branch_options(wanted, max_points=max_points, step=step, max_step=max_step, progress=progress)
+        if resume is None:
+            tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
+            fixed: Any = "area" if pressure else "area and volume"
+            found = study.pearl_branch(tube.c0, tube.length, mode[0], options, tolerance=tolerance, fixed=fixed)
+        elif vary is not None:
+            found = study.varied(study.load(resume), point, vary, options, keep=keep, upwards=not down)
+        elif switch is None:
+            found = study.resumed(study.load(resume), options)
+        else:
+            found = study.switched(study.load(resume), switch, options, centre=centre, grow=not shrink)  # type: ignore[arg-type]
+    table = in_units_of_radius(found.table()[study.COLUMNS], radius)
+    if save is not None:
+        study.save(found, save)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.branch import draw_branch
+
+        return draw_branch(found, table)
+
+    _write(table, out, plot, draw)
+    if not found.complete:
+        print(f"pearlbvp: the branch ends: {found.reason}", file=sys.stderr)
+    if found.reason == "interrupted":
+        return INTERRUPTED
+    return SOME_FAILED if wanted and not found.complete else DONE
+
+
+class _Checkpoint:
+    """Saves the branch so far now and then, so that a run that is killed keeps its points."""
+
+    def __init__(self, path: Path | None, seconds: float = 2.0) -> None:
+        self.path, self.seconds, self.last = path, seconds, time.monotonic()
+
+    def __call__(self, branch: Any) -> None:
+        if self.path is not None and time.monotonic() - self.last > self.seconds:
+            from pearlbvp.studies.branch import save
+
+            save(branch, self.path)
+            self.last = time.monotonic()
 
 
 def main(arguments: list[str] | None = None) -> None:

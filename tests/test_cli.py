@@ -69,7 +69,39 @@ def test_a_radius_scales_everything(capsys):
         assert two[name] == pytest.approx(one[name] * 2.0**power, rel=1e-10)
 
 
+def test_branch_is_saved_resumed_switched_and_varied(capsys, tmp_path):
+    saved, more = str(tmp_path / "b.h5"), str(tmp_path / "c.h5")
+    start = ["branch", "pearl", "--c0", "0.48", "--length", "15", "--mode", "2,0", "--until", "v=1.01", "--save", saved]
+    status, out, err = run(capsys, *start, "--plot", str(tmp_path / "b.png"))
+    assert (status, err) == (0, "")
+    table = pd.read_csv(io.StringIO(out), keep_default_na=False)
+    assert list(table.columns[:11]) == ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max",
+                                        "n_unstable", "mu_crit"]  # fmt: skip
+    assert table.special.iloc[[0, -1]].tolist() == ["start", "stop"]
+    assert table.v.iloc[-1] == 1.01
+    assert table[table.special == "bp"].lambda2.iloc[0] == pytest.approx(-0.376218681462, abs=1e-10)
+    assert is_png(tmp_path / "b.png")
+    status, out, _ = run(capsys, "branch", "pearl", "--resume", saved, "--until", "v=1.02", "--save", more)
+    longer = pd.read_csv(io.StringIO(out), keep_default_na=False)
+    assert longer.iloc[: len(table) - 1].equals(table.iloc[:-1])
+    status, out, _ = run(capsys, "branch", "pearl", "--resume", more, "--switch", "1", "--until", "v=1.05")
+    assert (pd.read_csv(io.StringIO(out)).n_unstable == 0).all()
+    status, out, _ = run(capsys, "branch", "pearl", "--resume", more, "--vary", "c0", "--down", "--until", "c0=0.47")
+    assert status == 0
+    assert pd.read_csv(io.StringIO(out)).c0.iloc[-1] == 0.47
+
+
+def test_a_branch_that_does_not_get_there_says_so(capsys):
+    status, out, err = run(
+        capsys, "branch", "pearl", "--c0", "0", "--length", "10", "--max-points", "4", "--until", "v=2"
+    )
+    assert status == 1
+    assert "max_points" in err
+    assert out.count("\n") == 5
+
+
 GOOD = {
+    "branch": {"pearl": "--c0=0", "--length": "10"},
     "dispersion": {"--c0": "0.48", "--length": "30"},
     "localized": {"--c0": "0.48", "--period": "7.5", "--lengths": "15"},
     "period": {"--c0": "0.48", "--lengths": "15"},
@@ -97,6 +129,18 @@ GOOD = {
         ("localized", {"--period": "0"}, "--period"),
         ("localized", {"--out": "same", "--plot": "same"}, "--plot"),
         ("dispersion", {"--length": "1e200"}, "length"),
+        ("branch", {"--mode": "1,1"}, "--mode"),
+        ("branch", {"--mode": "one"}, "--mode"),
+        ("branch", {"--mode": "0,0"}, "mode"),
+        ("branch", {"--until": "v"}, "--until"),
+        ("branch", {"--until": "w=1"}, "until"),
+        ("branch", {"--until": "v=nan"}, "--until"),
+        ("branch", {"--length": "6.283185307179586"}, "mode"),
+        ("branch", {"--switch": "1"}, "--switch"),
+        ("branch", {"--resume": "nothing.h5"}, "--resume"),
+        ("branch", {"--save": "no/such/b.h5"}, "--save"),
+        ("branch", {"--step": "0"}, "step"),
+        ("branch", {"--tolerance": "1"}, "tolerance"),
         ("period", {"--lengths": "nan"}, "--lengths"),
         ("period", {"--lengths": "0"}, "length"),
         ("period", {"--processes": "0"}, "--processes"),
@@ -145,7 +189,7 @@ def test_a_full_disk_is_one_line_and_no_file(arguments, tmp_path):
 
 def test_help_has_examples():
     for name, command in cli.commands.items():
-        assert f"pearlbvp {name} --c0" in command.epilog
+        assert f"pearlbvp {name} " in command.epilog
 
 
 def test_a_reader_that_has_had_enough_is_no_error():

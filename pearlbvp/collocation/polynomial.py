@@ -6,7 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array, Scheme, derivative_matrix, gauss_scheme, lagrange_matrix
+from pearlbvp.collocation.scheme import (
+    Array,
+    Scheme,
+    derivative_matrix,
+    gauss_scheme,
+    integration_matrix,
+    lagrange_matrix,
+)
 from pearlbvp.compiled import compiled
 
 
@@ -49,6 +56,14 @@ class PiecewisePolynomial:
         by_t = derivative_matrix(self.scheme.points) / np.diff(self.mesh)[:, None, None]
         result: Array = by_t @ self.local()
         return result
+
+    def integral(self) -> Array:
+        """Integral from the left end to each of the points, shape (N*m + 1, n)."""
+        h = np.diff(self.mesh)[:, None, None]
+        pieces = h * (integration_matrix(self.scheme.points)[1:] @ self.local())
+        starts = np.concatenate((np.zeros((1, pieces.shape[2])), np.cumsum(pieces[:, -1], axis=0)))
+        inside = (starts[:-1, None] + pieces).reshape(-1, pieces.shape[2])
+        return np.concatenate((starts[:1], inside))
 
     def highest_derivative(self) -> Array:
         """The ``m``-th derivative, constant on each interval: shape (N, n)."""

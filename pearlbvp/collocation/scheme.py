@@ -50,6 +50,16 @@ def derivative_matrix(points: Array) -> Array:
     return matrix
 
 
+def integration_matrix(points: Array) -> Array:
+    """Integrals from the first point to each of ``points`` of their Lagrange polynomials, shape (k, k)."""
+    nodes, weights = legendre.leggauss(len(points))
+    lengths = (points - points[0])[:, None]
+    at = points[0] + lengths * (nodes + 1) / 2
+    basis = lagrange_matrix(points, at.ravel()).reshape(*at.shape, len(points))
+    result: Array = np.einsum("ij,ijk->ik", lengths * weights / 2, basis)
+    return result
+
+
 @dataclass(frozen=True)
 class Scheme:
     """Gauss collocation of degree ``m`` on the interval [0, 1].

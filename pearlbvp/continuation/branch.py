@@ -142,7 +142,7 @@ class BranchOptions:
 
     Attributes:
         path: steps and tolerances.
-        until: stop exactly where an observable has a value.
+        until: stop exactly where an observable, or ``mu_crit``, has a value.
         folds: observables whose turning points are located.
         limit: a reason to end at a point, or None.
         progress: called with the branch so far after each step, to show or to save it.
@@ -200,13 +200,19 @@ def _crossing_rates(before: Spectrum, after: Spectrum, neutral: float) -> list[t
 
 
 def _wanted(first: BranchPoint[P], last: Point[P], until: Mapping[str, float]) -> _Event[P] | None:
-    """The first place between two points where an observable has its wanted value."""
+    """The first place between two points where an observable (or ``mu_crit``) has its wanted value."""
     segment = Segment(first.point, last)
     stops = []
     for name, value in until.items():
-        ends = first.observables[name] - value, last.observables[name] - value
+
+        def difference(point: Point[P], name: str = name, value: float = value) -> float:
+            problem: Any = point.problem
+            found = problem.spectrum(point.u).mu_crit if name == "mu_crit" else point.observables[name]
+            return float(found - value)
+
+        ends = difference(first.point), difference(last)
         if ends[0] != 0 and ends[0] * ends[1] <= 0:
-            stops.append(_located(segment, "stop", lambda p, n=name, x=value: p.observables[n] - x, ends))  # type: ignore[misc]
+            stops.append(_located(segment, "stop", difference, ends))
     return min(stops, key=lambda event: event.s, default=None)
 
 
@@ -267,9 +273,11 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
             if wanted is not None and not wanted.converged:
                 return end("a wanted value lies just ahead, but could not be reached; take shorter steps")
             latest = _with_spectrum(point if wanted is None else wanted.point)
+            reached = -math.inf
             for event in _events(before, latest, options.folds, at_start):
-                if event.converged:
+                if event.converged and event.s - reached > SAME_PLACE:  # else it is one point with the event before
                     points.append(_with_spectrum(event.point))
+                    reached = event.s
                 index = len(points) - 1 if event.converged else len(points)
                 special.append(SpecialPoint(event.kind, index, event.block, event.change, event.converged))
             points.append(latest)
@@ -291,6 +299,10 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
 def _with_spectrum(point: Point[P]) -> BranchPoint[P]:
     problem: Any = point.problem
     return BranchPoint(point, problem.spectrum(point.u))
+
+
+SAME_PLACE = 1e-6
+"""Special points nearer to each other than this in arclength are one (energy and volume turn together, say)."""
 
 
 def start_point(problem: P, u: Array, tangent: Array) -> Point[P]:

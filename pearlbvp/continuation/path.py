@@ -55,6 +55,7 @@ class Point(Generic[P]):
         tangent: unit tangent of the path.
         observables: named numbers of the solution.
         iterations: Newton iterations that it took.
+        step: length of the step to try from here; 0 for that of the options.
     """
 
     problem: P
@@ -62,6 +63,7 @@ class Point(Generic[P]):
     tangent: Array
     observables: dict[str, float]
     iterations: int = 0
+    step: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
     Raises:
         PathEnd: the smallest step fails, or a new mesh does.
     """
-    step, point = options.step, start
+    step, point = start.step or options.step, start
     bend: Array | None = None  # derivative of the tangent by arclength, from the last two on the same mesh
     while True:
         problem, inner = point.problem, point.problem.inner
@@ -147,12 +149,12 @@ def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
                 raise PathEnd(f"no convergence after remeshing: {again.message}")
             u = again.u
             tangent = tangent / math.sqrt(problem.inner(tangent, tangent))
-        point = Point(problem, u, tangent, problem.observables(u), result.iterations)
-        yield point
         if result.iterations <= 4 and turn < options.max_angle / 2:
             step = min(2 * step, options.max_step)
         elif result.iterations >= 6:
             step = max(step / 2, options.min_step)
+        point = Point(problem, u, tangent, problem.observables(u), result.iterations, step)
+        yield point
 
 
 def follow(start: Point[P], options: PathOptions, stop: Callable[[Point[P]], str | None]) -> Path[P]:

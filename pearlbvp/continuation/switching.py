@@ -36,6 +36,18 @@ def crossing_direction(problem: Problem, u: Array, tangent: Array, seed: int = 0
     return direction / math.sqrt(problem.inner(direction, direction))
 
 
+def tangent_along(problem: Problem, u: Array, direction: Array) -> Array:
+    """Unit tangent of the curve of solutions through ``u`` that has a positive inner product with ``direction``.
+
+    Raises:
+        numpy.linalg.LinAlgError: the curve is perpendicular to the direction there.
+    """
+    rhs = np.zeros(u.size)
+    rhs[-1] = 1.0
+    tangent = problem.solve(u, rhs, direction)
+    return tangent / math.sqrt(problem.inner(tangent, tangent))
+
+
 def switch(
     branch: Branch[Any],
     special: SpecialPoint[Any],

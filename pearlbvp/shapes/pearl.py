@@ -10,9 +10,10 @@ Munoz-Almaraz et al., Physica D 181 (2003) 1).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -133,7 +134,7 @@ class PearlProblem:
         return self.discretization.inner(u, v)
 
     def observables(self, u: Array) -> dict[str, float]:
-        """``lambda1, lambda2, v, E, amplitude, r_min, r_max``; ``E`` is the energy by area."""
+        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L``; ``E`` is by area, ``L`` the whole tube's."""
         p = self.discretization.all_parameters(u)
         y = self.discretization.at_gauss_points(u)
         radii = self.discretization.values(u)[:, 0]
@@ -145,6 +146,8 @@ class PearlProblem:
             "amplitude": float(radii.max() - radii.min()) / 2,
             "r_min": float(radii.min()),
             "r_max": float(radii.max()),
+            "c0": float(p[3]),
+            "L": float(p[4]) * self.cells * (2 if self.half else 1),
         }
 
     def remesh(self, u: Array, *others: Array) -> tuple[PearlProblem, list[Array]] | None:
@@ -197,6 +200,21 @@ class PearlProblem:
         """Growth rates in one symmetry block, largest first, without its exact kernel, on as many points as ``like``."""
         return block_rates(SecondVariation.of(self.profile(u), like.points), block, self.fixed)[0]
 
+    def released(self, u: Array, *free: str) -> tuple[PearlProblem, Array]:
+        """The same solution with other parameters free: to vary ``c0`` at fixed ``v``, say.
+
+        Args:
+            u: a solution.
+            free: names of four parameters (besides the drag of a full cell), the arclength among them.
+
+        Raises:
+            ValueError: a name that is no parameter.
+        """
+        d = self.discretization
+        names = (*free, "drag") if self.reference is not None else free
+        discretization = replace(d, parameters=d.all_parameters(u), free=names)
+        return replace(self, discretization=discretization), discretization.pack(d.values(u), d.all_parameters(u))
+
     def embed(self, block: Block, centre: Centre, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
         """The problem in whose space the perturbations of a block live, and vectors moved into it.
 
@@ -221,6 +239,34 @@ class PearlProblem:
     def grows_at_centre(self, direction: Array) -> bool:
         """Whether a perturbation makes the tube thicker at the first plane of reflection."""
         return bool(self.discretization.values(direction)[0, 0] > 0)
+
+    def to_tree(self) -> dict[str, Any]:
+        """Everything as arrays, numbers and words, to be saved."""
+        d = self.discretization
+        tree: dict[str, Any] = {
+            "mesh": d.mesh, "degree": d.scheme.m, "parameters": d.parameters, "free": ",".join(d.free),
+            "tolerance": self.tolerance, "cells": self.cells, "fixed": self.fixed,
+        }  # fmt: skip
+        if self.reference is not None:
+            tree |= {"reference_mesh": self.reference.mesh, "reference_values": self.reference.values}
+        return tree
+
+    @classmethod
+    def from_tree(cls, tree: Mapping[str, Any]) -> PearlProblem:
+        """The inverse of ``to_tree``.
+
+        Raises:
+            ValueError: the tree describes no pearl problem.
+        """
+        reference = None
+        if "reference_mesh" in tree:
+            reference = PiecewisePolynomial(tree["reference_mesh"], tree["reference_values"])
+        if tree["fixed"] not in get_args(Fixed):
+            raise ValueError(f"fixed: {tree['fixed']!r} is none of {get_args(Fixed)}")
+        problem = HALF_CELL if reference is None else full_cell(reference)
+        scheme, free = gauss_scheme(int(tree["degree"])), tuple(tree["free"].split(","))
+        discretization = Discretization(problem, scheme, tree["mesh"], tree["parameters"], free)
+        return cls(discretization, reference, float(tree["tolerance"]), int(tree["cells"]), tree["fixed"])
 
     def axial_force_spread(self, u: Array) -> float:
         """Largest minus smallest axial force at the mesh points: zero on an exact solution, a free error measure."""

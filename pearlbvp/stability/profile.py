@@ -43,6 +43,12 @@ class Profile:
         states[beyond, 3] *= -1
         return states
 
+    def outline(self) -> tuple[Array, Array]:
+        """Axial position and radius along the whole period, from its first point on, each of shape (K,)."""
+        whole = self.mirrored()
+        slopes = PiecewisePolynomial(whole.states.mesh, np.cos(whole.states.values[:, 1:2]))
+        return whole.arclength * slopes.integral()[:, 0], whole.states.values[:, 0]
+
     def mirrored(self) -> Profile:
         """The whole period as one piecewise polynomial."""
         if not self.half:

@@ -8,6 +8,7 @@ form, removed by projection, and their residual says whether the profile and the
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -118,6 +119,24 @@ class Spectrum:
     def n_unstable(self) -> int:
         """Dimension of the unstable space; at a branch point its neutral perturbation is not counted."""
         return sum(block.multiplicity * int((rates > self.neutral).sum()) for block, rates in self.rates.items())
+
+    def to_tree(self) -> dict[str, Any]:
+        """Everything as arrays and numbers, to be saved."""
+        parities = {None: 0, "even": 1, "odd": 2}
+        return {
+            "blocks": np.array([(b.n, b.j, b.cells, parities[b.parity]) for b in self.rates], dtype=np.int64),
+            "rates": np.array(list(self.rates.values())),
+            "residual": self.residual,
+            "points": self.points,
+        }
+
+    @classmethod
+    def from_tree(cls, tree: Mapping[str, Any]) -> Spectrum:
+        """The inverse of ``to_tree``."""
+        parities = (None, "even", "odd")
+        blocks = [Block(int(n), int(j), int(cells), parities[parity]) for n, j, cells, parity in tree["blocks"]]
+        rates = {block: np.asarray(rates) for block, rates in zip(blocks, tree["rates"], strict=True)}
+        return cls(rates, float(tree["residual"]), int(tree["points"]))
 
     @property
     def critical(self) -> Block:

@@ -1,0 +1,112 @@
+"""Branches in HDF5 files: whole, readable by any HDF5 library, with no pickle in them.
+
+Layout: attributes ``format, version, reason, complete``; groups ``problems/0 ...`` (each mesh once), ``points/0 ...`` with
+``u, tangent``, their observables as attributes, the number of their problem and a group ``spectrum``; group ``special``
+with columns. Problems and spectra describe themselves as trees of arrays, numbers and words (``to_tree``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from pearlbvp.continuation.branch import Branch, BranchPoint, SpecialPoint
+from pearlbvp.continuation.path import Point
+from pearlbvp.errors import InputError
+
+FORMAT, VERSION = "pearlbvp branch", 1
+
+
+def write_branch(branch: Branch[Any], path: Path) -> None:
+    """Write a branch into a new file."""
+    with h5py.File(path, "w") as file:
+        file.attrs.update({"format": FORMAT, "version": VERSION, "reason": branch.reason, "complete": branch.complete})
+        numbers: dict[int, int] = {}
+        problems, points = file.create_group("problems"), file.create_group("points")
+        for index, entry in enumerate(branch.points):
+            point = entry.point
+            if id(point.problem) not in numbers:
+                numbers[id(point.problem)] = len(numbers)
+                problem: Any = point.problem
+                _write_tree(problems.create_group(str(len(numbers) - 1)), problem.to_tree())
+            group = points.create_group(str(index))
+            group["u"], group["tangent"] = point.u, point.tangent
+            group.attrs.update(
+                {"problem": numbers[id(point.problem)], "iterations": point.iterations, "step": point.step}
+            )
+            group.create_group("observables").attrs.update(point.observables)
+            _write_tree(group.create_group("spectrum"), entry.spectrum.to_tree())
+        special = file.create_group("special")
+        for i, found in enumerate(branch.special):
+            group = special.create_group(str(i))
+            group.attrs.update(
+                {"kind": found.kind, "index": found.index, "change": found.change, "converged": found.converged}
+            )
+            if found.block is not None:
+                group.attrs["block"] = list(branch.points[found.index].spectrum.rates).index(found.block)
+
+
+def read_branch(
+    path: Path, problem_from: Callable[[Mapping[str, Any]], Any], spectrum_from: Callable[[Mapping[str, Any]], Any]
+) -> Branch[Any]:
+    """Read a branch.
+
+    Args:
+        path: a file that ``write_branch`` wrote.
+        problem_from, spectrum_from: the inverses of the problems' and spectra's ``to_tree``.
+
+    Raises:
+        InputError: the file cannot be opened, is no saved branch, or is not whole.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != FORMAT or int(file.attrs.get("version", 0)) != VERSION:
+                raise InputError(f"resume: {path} is no branch saved by this version; save one with --save")
+            problems = [problem_from(_read_tree(file["problems"][str(i)])) for i in range(len(file["problems"]))]
+            points = [_read_point(file["points"][str(i)], problems, spectrum_from) for i in range(len(file["points"]))]
+            special = [_read_special(file["special"][str(i)].attrs, points) for i in range(len(file["special"]))]
+            return Branch(points, special, str(file.attrs["reason"]), bool(file.attrs["complete"]))
+    except (OSError, KeyError, IndexError, ValueError, TypeError, AttributeError) as error:
+        if isinstance(error, InputError):
+            raise
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"resume: {path} cannot be read as a saved branch ({reason}); save it again") from None
+
+
+def _read_point(group: Any, problems: list[Any], spectrum_from: Callable[[Mapping[str, Any]], Any]) -> BranchPoint[Any]:
+    problem = problems[int(group.attrs["problem"])]
+    u, tangent = group["u"][()], group["tangent"][()]
+    if u.shape != tangent.shape or not (np.isfinite(u).all() and np.isfinite(tangent).all()):
+        raise ValueError("a point's unknown and tangent do not fit")
+    observables = {name: float(value) for name, value in group["observables"].attrs.items()}
+    order = problem.observables(u)  # HDF5 sorts attributes by name; this also fails where u does not fit its mesh
+    observables = {name: observables[name] for name in order}
+    point = Point(problem, u, tangent, observables, int(group.attrs["iterations"]), float(group.attrs["step"]))
+    return BranchPoint(point, spectrum_from(_read_tree(group["spectrum"])))
+
+
+def _read_special(attributes: Any, points: list[BranchPoint[Any]]) -> SpecialPoint[Any]:
+    index = int(attributes["index"])
+    blocks = list(points[index].spectrum.rates)
+    block = blocks[int(attributes["block"])] if "block" in attributes else None
+    return SpecialPoint(str(attributes["kind"]), index, block, int(attributes["change"]), bool(attributes["converged"]))
+
+
+def _write_tree(group: Any, tree: Mapping[str, Any]) -> None:
+    for name, value in tree.items():
+        if isinstance(value, np.ndarray):
+            group[name] = value
+        else:
+            group.attrs[name] = value
+
+
+def _read_tree(group: Any) -> dict[str, Any]:
+    return {name: group[name][()] for name in group} | {name: _plain(value) for name, value in group.attrs.items()}
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value

@@ -1,0 +1,77 @@
+"""Picture of a branch: the diagrams that the paper draws, unstable parts dashed, and shapes along it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pearlbvp.continuation.branch import Branch
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+
+
+def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, label: str | None = None) -> None:
+    """One branch in one diagram: stable parts solid, unstable parts dashed, special points marked."""
+    stable = (table["n_unstable"] == 0).to_numpy()
+    xs, ys = table[x].to_numpy(float), table[y].to_numpy(float)
+    for wanted, style in ((True, "-"), (False, "--")):
+        # A stretch between two points is stable where neither of its ends is unstable.
+        pieces_x, pieces_y = _broken(xs, ys, (stable[1:] & stable[:-1]) == wanted)
+        axes.plot(
+            pieces_x, pieces_y, style, color=colour, linewidth=1.4, label=label if wanted == stable.any() else None
+        )
+    for kind, marker, face in (("bp", "o", "white"), ("fold", "x", None)):
+        rows = table[table["special"].str.contains(kind)]
+        if len(rows):
+            axes.plot(rows[x], rows[y], marker, color=colour, markerfacecolor=face or colour, markersize=5)
+
+
+def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The wanted segments of a polygon as one line with gaps."""
+    xs, ys = [np.nan], [np.nan]
+    for i in np.flatnonzero(wanted):
+        if xs[-1] != x[i] or ys[-1] != y[i]:
+            xs += [np.nan, x[i]]
+            ys += [np.nan, y[i]]
+        xs.append(x[i + 1])
+        ys.append(y[i + 1])
+    return np.array(xs), np.array(ys)
+
+
+def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
+    """Outlines of some shapes along a branch, one period each, above one another."""
+    chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
+    height = 2.2 * max(branch.points[i].observables["r_max"] for i in chosen)
+    for place, index in enumerate(chosen):
+        point = branch.points[index].point
+        profile = point.problem.profile(point.u)
+        x, r = profile.outline()
+        colour = COLOURS[0] if branch.points[index].spectrum.n_unstable == 0 else COLOURS[1]
+        for side in (1, -1):
+            axes.plot(x, side * r - place * height, color=colour, linewidth=1.2)
+        label = f"point {index}: v = {point.observables['v']:.4f}"
+        axes.text(x[-1] / 2, -place * height, label, ha="center", va="center", fontsize=8)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_yticks([])
+
+
+def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Figure:
+    """Energy and pressure over the reduced volume, the two multipliers, and shapes."""
+    figure, axes = new_figure(2, 2, width=9.5, height=7.5)
+    pairs = (("v", "E"), ("v", "lambda2"), ("lambda2", "lambda1"))
+    names = {
+        "v": "reduced volume v",
+        "E": "energy by area E/A",
+        "lambda1": "tension lambda1",
+        "lambda2": "pressure lambda2",
+    }
+    for place, (x, y) in zip(axes.ravel(), pairs, strict=False):
+        draw_curve(place, table, x, y, COLOURS[0])
+        dress(place, names[x], names[y], title if place is axes[0, 0] else "")
+    draw_shapes(axes[1, 1], branch)
+    dress(axes[1, 1], "axial position x (radii)", "", "shapes: stable blue, unstable brown")
+    axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize="medium")
+    return figure

@@ -1,0 +1,205 @@
+"""Which shapes branch off, how do they continue, which are stable? Branches of pearls, with their special points."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pearlbvp.continuation.branch import Branch, BranchOptions, SpecialPoint, continue_branch, start_point
+from pearlbvp.continuation.path import PathOptions, Point
+from pearlbvp.continuation.storage import read_branch, write_branch
+from pearlbvp.continuation.switching import switch, tangent_along
+from pearlbvp.errors import InputError
+from pearlbvp.files import writable, write_whole
+from pearlbvp.helfrich import Tube, finite
+from pearlbvp.shapes.pearl import Centre, PearlProblem, pearling_onset
+from pearlbvp.stability.bloch import Fixed
+from pearlbvp.stability.spectrum import Spectrum
+from pearlbvp.theory.dispersion import critical_lambda2
+
+COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
+           "critical", "c0", "L"]  # fmt: skip
+STOPS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L", "mu_crit")
+"""Columns at a value of which a branch can stop."""
+
+THINNEST_NECK = 1e-3
+"""Radius of the neck at which a branch ends: the limit beyond is a string of spheres."""
+
+
+def branch_options(
+    until: Mapping[str, float] | None = None,
+    *,
+    max_points: int = 200,
+    step: float = 0.1,
+    max_step: float = 0.5,
+    progress: Callable[[Branch[Any]], None] = lambda branch: None,
+) -> BranchOptions:
+    """Options of a branch of pearls.
+
+    Args:
+        until: column and value at which to stop exactly; several may be given, the first reached counts.
+        max_points: end after so many.
+        step, max_step: first and largest step, in the norm of profile and parameters.
+        progress: called with the branch so far after each step.
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+    wanted = {name: finite(f"until {name}", value) for name, value in (until or {}).items()}
+    for name in wanted:
+        if name not in STOPS:
+            raise InputError(f"until: a branch cannot stop at a value of {name!r}; choose one of {', '.join(STOPS)}")
+    if max_points < 2:
+        raise InputError(f"max_points: {max_points} must be 2 or more")
+    if not 1e-6 < step <= max_step:
+        raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}")
+
+    def limit(point: Point[Any]) -> str | None:
+        if point.observables["r_min"] < THINNEST_NECK:
+            return f"the neck is thinner than {THINNEST_NECK:g} radii: the surface is about to touch its axis"
+        return None
+
+    path = PathOptions(step=step, max_step=max_step, max_points=max_points)
+    return BranchOptions(path=path, until=wanted, limit=limit, progress=progress)
+
+
+def pearl_branch(
+    c0: float,
+    length: float,
+    m: int = 1,
+    options: BranchOptions | None = None,
+    *,
+    tolerance: float = 1e-9,
+    fixed: Fixed = "area and volume",
+) -> Branch[PearlProblem]:
+    """The branch of ``m`` equal pearls on a tube, from the straight cylinder on, with stability on the whole tube.
+
+    Args:
+        c0: spontaneous curvature.
+        length: axial period of the tube, in radii.
+        m: number of pearls.
+        options: where to stop and how to step, from ``branch_options``.
+        tolerance: estimated error of the profile at which the mesh is refined.
+        fixed: what the perturbations keep that stability is judged by.
+
+    Returns:
+        The branch; ``branch.table()`` has the columns ``COLUMNS``.
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+    tube = Tube(c0, length)
+    if m != int(m) or m < 1:
+        raise InputError(f"mode: {m} pearls are none; give a whole number from 1 on")
+    if not critical_lambda2(tube.wave_number(m), 0, tube.c0) ** 2 < 1e12:
+        raise InputError(f"mode: {m} pearls on L = {length:g} have k = 1 and branch off nowhere; change mode or length")
+    if not 1e-13 <= tolerance <= 1e-3:
+        raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3")
+    problem, u, tangent = pearling_onset(tube, m, tolerance=tolerance)
+    start = start_point(replace(problem, fixed=fixed), u, tangent)
+    return continue_branch(start, options or branch_options(), at_bifurcation=True)
+
+
+def resumed(branch: Branch[PearlProblem], options: BranchOptions) -> Branch[PearlProblem]:
+    """A branch continued from its last point; that and what follows as one branch."""
+    return branch.extended(continue_branch(branch.points[-1].point, options))
+
+
+def varied(
+    branch: Branch[PearlProblem],
+    index: int,
+    vary: str,
+    options: BranchOptions,
+    *,
+    keep: str = "v",
+    upwards: bool = True,
+) -> Branch[PearlProblem]:
+    """The branch through a point of another on which ``c0`` or the length changes.
+
+    Args:
+        branch: a branch of pearls.
+        index: which of its points (negative: from the end).
+        vary: ``c0`` or ``L``.
+        options: where to stop and how to step.
+        keep: what stays as it is at that point: ``v`` or ``lambda2``.
+        upwards: whether ``vary`` is to grow at first.
+
+    Raises:
+        InputError: a name or number that cannot be used.
+    """
+    names = {"c0": "c0", "L": "length"}
+    if vary not in names:
+        raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L (lambda2 and v vary on every branch)")
+    if keep not in ("v", "lambda2"):
+        raise InputError(f"keep: {keep!r} cannot be kept; choose v or lambda2")
+    if not -len(branch.points) <= index < len(branch.points):
+        raise InputError(f"point: the branch has points 0 to {len(branch.points) - 1}, so there is no point {index}")
+    point = branch.points[index].point
+    other = "lambda2" if keep == "v" else "v"
+    problem, u = point.problem.released(point.u, "arclength", "lambda1", other, names[vary])
+    direction = np.zeros_like(u)
+    free = problem.discretization.free
+    direction[u.size - len(free) + free.index(names[vary])] = 1.0 if upwards else -1.0
+    try:
+        tangent = tangent_along(problem, u, direction)
+    except np.linalg.LinAlgError:
+        raise InputError(f"vary: {vary} turns just at point {index}; start from a point beside it") from None
+    return continue_branch(start_point(problem, u, tangent), options)
+
+
+def switched(
+    branch: Branch[PearlProblem],
+    number: int,
+    options: BranchOptions,
+    *,
+    centre: Centre = "pearl",
+    grow: bool = True,
+) -> Branch[PearlProblem]:
+    """The branch that crosses ``branch`` at its branch point ``number`` (the first is 1).
+
+    Args:
+        branch: a branch of pearls.
+        number: which of its branch points.
+        options: where to stop and how to step.
+        centre: whether the new shapes are centred on a pearl or on a neck, where both branch off.
+        grow: follow the half on which the tube grows at its centre.
+
+    Raises:
+        InputError: there is no such branch point, or its new shapes are not axisymmetric.
+    """
+    found: list[SpecialPoint[PearlProblem]] = branch.find("bp")
+    if not 1 <= number <= len(found):
+        raise InputError(f"switch: the branch has {len(found)} branch points, so there is none of number {number}")
+    special = found[number - 1]
+    if special.block.n != 0:
+        raise InputError(
+            f"switch: at branch point {number} shapes with n = {special.block.n} branch off, which are no pearls"
+        )
+    if not special.converged:
+        raise InputError(
+            f"switch: branch point {number} was not located; follow the branch in shorter steps (--max-step)"
+        )
+    return switch(branch, special, options, centre=centre, grow=grow)
+
+
+def save(branch: Branch[PearlProblem], path: str | os.PathLike[str]) -> None:
+    """Save a branch as HDF5, whole or not at all.
+
+    Raises:
+        InputError: the place cannot be written to.
+    """
+    write_whole("save", writable("save", path), lambda temporary: write_branch(branch, temporary))
+
+
+def load(path: str | os.PathLike[str]) -> Branch[PearlProblem]:
+    """Load a branch that ``save`` saved. Nothing in the file is executed.
+
+    Raises:
+        InputError: the file is no saved branch, or is not whole.
+    """
+    return read_branch(Path(path), PearlProblem.from_tree, Spectrum.from_tree)

@@ -1,0 +1,283 @@
+"""Branches: special points and stability against independent computations, switching, exact stops, saved files."""
+
+import itertools
+import math
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+from test_continuation import Curve
+
+import pearls
+from pearlbvp.continuation.branch import BranchOptions, continue_branch, start_point
+from pearlbvp.continuation.path import PathOptions
+from pearlbvp.continuation.switching import crossing_direction
+from pearlbvp.errors import InputError
+from pearlbvp.shapes.pearl import unrolled
+from pearlbvp.stability.spectrum import Block, Spectrum
+from pearlbvp.studies.branch import COLUMNS, branch_options, load, pearl_branch, resumed, save, switched, varied
+from pearlbvp.studies.localized import localized_pearls
+
+
+@pytest.fixture(scope="module")
+def four():
+    """Four pearls of period 7.5 on L = 30, past both their branch points."""
+    return pearl_branch(0.48, 30, 4, branch_options({"v": 1.02}))
+
+
+@pytest.fixture(scope="module")
+def localized(four):
+    return switched(four, 1, branch_options({"v": 1.2}))
+
+
+def test_branch_points_are_those_of_the_localized_table(four):
+    table = four.table()
+    assert set(table.columns) == set(COLUMNS)
+    found = table[table.special == "bp"]
+    # Waves j = 1 and j = 2 of four cells are the branch points of L = 30 and L = 15.
+    expected = localized_pearls(0.48, 7.5, [30, 15])
+    np.testing.assert_allclose(found.lambda2, expected.lambda2, atol=1e-10)
+    np.testing.assert_allclose(found.v, expected.v, atol=1e-10)
+    assert [special.change for special in four.find("bp")] == [2, 1]
+    assert [str(special.block) for special in four.find("bp")] == ["n=0 j=1/4", "n=0 j=2/4 even"]
+    assert list(table.n_unstable) == [0] * 5 + [2] * 2 + [3] * 2
+
+
+def test_a_branch_stops_exactly_where_it_is_told(four):
+    last = four.table().iloc[-1]
+    assert (last.special, last.v) == ("stop", pytest.approx(1.02, abs=1e-13))
+    for name, value in (("lambda2", -0.3), ("amplitude", 0.1), ("mu_crit", 0.03)):
+        stopped = pearl_branch(0.48, 15, 2, branch_options({name: value, "v": 1.1}))
+        assert stopped.complete
+        assert stopped.table().iloc[-1][name] == pytest.approx(value, abs=1e-9)
+    both = pearl_branch(0.48, 15, 2, branch_options({"v": 1.01, "lambda2": -0.3}))
+    assert both.table().iloc[-1].lambda2 == pytest.approx(-0.3, abs=1e-12)  # it comes first
+
+
+def test_the_localized_pearl_is_stable_with_a_fold_in_lambda2(localized):
+    table = localized.table()
+    assert (table.n_unstable == 0).all()
+    fold = table[table.special == "fold:lambda2"].iloc[0]
+    neighbours = table.lambda2.iloc[[fold.name - 1, fold.name + 1]]
+    assert (neighbours < fold.lambda2).all()
+    # Half of the tube from a pearl's belly: that pearl is the largest, and its tube is L = 30 long.
+    profile = localized.points[-1].point.problem.profile(localized.points[-1].point.u)
+    x, r = profile.outline()
+    assert x[-1] == pytest.approx(30, abs=1e-9)
+    assert r[0] == pytest.approx(table.r_max.iloc[-1], abs=1e-12)
+    # Area 2 pi L and the volume of the table, from the outline alone.
+    dense = np.linspace(0, 1, 20001)
+    y = profile.mirrored().at(dense)
+    ds = profile.mirrored().arclength
+    assert np.trapezoid(2 * np.pi * y[:, 0], dense) * ds == pytest.approx(60 * np.pi, rel=1e-7)
+    volume = np.trapezoid(np.pi * y[:, 0] ** 2 * np.cos(y[:, 1]), dense) * ds
+    assert volume / (30 * np.pi) == pytest.approx(1.2, rel=1e-7)
+
+
+def test_energy_and_pressure_along_the_localized_branch(localized):
+    """``-2 d(E/A)/dv = lambda2``: the energy gained over a stretch is the integral of the pressure."""
+    points = [entry.point for entry in localized.points[-4:]]
+    for one, two in itertools.pairwise(points):
+        dv = two.observables["v"] - one.observables["v"]
+        gained = two.observables["E"] - one.observables["E"]
+        mean = (one.observables["lambda2"] + two.observables["lambda2"]) / 2
+        assert -2 * gained / dv == pytest.approx(mean, rel=2e-2)
+    # Exactly, at one point, along its own tangent.
+    point = points[1]
+    eps = 1e-4
+    sides = [point.problem.observables(point.u + sign * eps * point.tangent) for sign in (1, -1)]
+    slope = (sides[0]["E"] - sides[1]["E"]) / (sides[0]["v"] - sides[1]["v"])
+    assert -2 * slope == pytest.approx(point.observables["lambda2"], abs=1e-7)
+
+
+def test_pearl_and_neck_centred_branches_differ_in_stability(four, localized):
+    neck = switched(four, 1, branch_options({"v": 1.05}), centre="neck")
+    assert (neck.table().n_unstable.iloc[1:] >= 1).all()
+    assert localized.points[0].observables["lambda2"] == pytest.approx(neck.points[0].observables["lambda2"], abs=1e-10)
+    # At equal volume the stable one has less energy.
+    other = switched(four, 1, branch_options({"v": 1.05}))
+    assert other.table().E.iloc[-1] < neck.table().E.iloc[-1]
+
+
+def test_two_cells_from_one():
+    """On L = 15 the localized pearl is found by unrolling by hand, too: the same solution on another mesh."""
+    two = pearl_branch(0.48, 15, 2, branch_options({"v": 1.02}))
+    by_switch = switched(two, 1, branch_options({"v": 1.1})).table().iloc[-1]
+    point = two.at(two.find("bp")[0]).point
+    problem, (u, tangent) = unrolled(point.problem, 2, "neck", point.u, point.tangent)
+    assert np.abs(problem.residual(u)).max() < 1e-9
+    # From neck to neck the wave even about bellies is odd: there is no null vector besides the tangent.
+    tangent /= math.sqrt(problem.inner(tangent, tangent))
+    ratio = np.linalg.norm(problem.solve(u, np.append(np.zeros(u.size - 1), 1.0), tangent))
+    assert ratio < 100
+    problem, (u, tangent) = unrolled(point.problem, 2, "pearl", point.u, point.tangent)
+    tangent /= math.sqrt(problem.inner(tangent, tangent))
+    direction = crossing_direction(problem, u, tangent)
+    backwards = continue_branch(start_point(problem, u, -direction), branch_options({"v": 1.1}), at_bifurcation=True)
+    for name in ("lambda1", "lambda2", "E"):
+        assert backwards.table().iloc[-1][name] == pytest.approx(by_switch[name], abs=1e-9)
+
+
+def test_c0_075_has_two_folds_in_v_where_the_paper_says():
+    branch = pearl_branch(0.75, 10, 1, branch_options({"lambda2": -4.0}))
+    folds = [branch.at(special).observables["v"] for special in branch.find("fold:v")]
+    assert folds == [pytest.approx(1.045, abs=1e-3), pytest.approx(0.98, abs=2e-3)]
+    # At a turning point of v an unstable perturbation at fixed v is gained or lost: no branch points there.
+    for special in branch.find("fold:v"):
+        before, after = branch.points[special.index - 1], branch.points[special.index + 1]
+        own = Block(0, 0, 1, "even")
+        change = (after.spectrum.rates[own] > 0).sum() - (before.spectrum.rates[own] > 0).sum()
+        assert abs(change) == 1
+    assert all(special.block != Block(0, 0, 1, "even") for special in branch.find("bp"))
+
+
+def test_c0_0_is_stable_far_beyond_the_paper():
+    table = pearl_branch(0.0, 10, 1, branch_options({"v": 1.34})).table()
+    assert (table.n_unstable == 0).all()
+    assert table.v.iloc[-1] == pytest.approx(1.34, abs=1e-12)
+    # AUTO-07p, between its rows lambda2 = -10 and -15
+    assert -15 < table.lambda2.iloc[-1] < -10
+
+
+def test_m_1_on_l_15_is_unstable_throughout():
+    table = pearl_branch(0.48, 15, 1, branch_options({"v": 1.2})).table()
+    assert table.lambda2.iloc[0] == pytest.approx(-0.4208, abs=5e-5)
+    assert (table.n_unstable.iloc[1:] > 0).all()
+
+
+class Spectral(Curve):
+    """A curve with two made-up blocks of growth rates, whose zeros are known."""
+
+    own_block = "own"
+    conserved = "y"
+
+    def spectrum(self, u):
+        blocks = {
+            Block(0, 0, 1, None): np.array([u[1] - 0.3, u[1] - 0.31, -1.0]),
+            Block(1, 0, 1, None): np.array([0.305 - u[1], -2.0]),
+        }
+        return Spectrum(blocks, 0.0, 0)
+
+    def block_rates(self, u, block, like):
+        return self.spectrum(u).rates[block]
+
+
+def test_several_special_points_in_one_step_are_all_found():
+    circle = Spectral(lambda x, y: x**2 + y**2 - 1, lambda x, y: np.array([2 * x, 2 * y]))
+    start = start_point(circle, np.array([math.cos(0.28), math.sin(0.28)]), np.array([-math.sin(0.28), math.cos(0.28)]))
+    options = BranchOptions(PathOptions(step=0.2), {"x": -0.5}, folds=("x", "y"))
+    branch = continue_branch(start, options)
+    bps = branch.find("bp")
+    heights = [branch.at(special).observables["y"] for special in bps]
+    assert heights[:3] == [pytest.approx(y, abs=1e-12) for y in (0.3, 0.305, 0.31)]
+    assert [special.change for special in bps[:3]] == [1, -2, 1]
+    assert branch.find("fold")[0].kind == "fold:y"
+    assert branch.at(branch.find("fold")[0]).observables["y"] == pytest.approx(1, abs=1e-9)
+    assert branch.points[-1].observables["x"] == pytest.approx(-0.5, abs=1e-12)
+
+
+def test_a_saved_branch_continues_identically(tmp_path, four):
+    path = tmp_path / "b.h5"
+    save(four, path)
+    again = load(path)
+    assert again.table().equals(four.table())
+    assert again.special == four.special
+    assert (again.reason, again.complete) == (four.reason, True)
+    options = branch_options({"v": 1.03})
+    assert resumed(again, options).table().equals(resumed(four, options).table())
+    assert switched(again, 1, options).table().equals(switched(four, 1, options).table())
+
+
+def test_resuming_goes_where_one_run_goes(four):
+    two_runs = resumed(four, branch_options({"v": 1.05})).table().iloc[-1]
+    one_run = pearl_branch(0.48, 30, 4, branch_options({"v": 1.05})).table().iloc[-1]
+    for name in ("lambda1", "lambda2", "E", "mu_crit"):
+        assert two_runs[name] == pytest.approx(one_run[name], abs=1e-8)
+    assert two_runs.special == "stop"
+
+
+def test_files_that_are_no_branches(tmp_path, four):
+    path = tmp_path / "b.h5"
+    save(four, path)
+    whole = path.read_bytes()
+    for damaged in (whole[: len(whole) // 2], b"", b"text", whole[:100] + b"x" * 300 + whole[400:]):
+        path.write_bytes(damaged)
+        with pytest.raises(InputError, match="^resume: ") as raised:
+            load(path)
+        assert "\n" not in str(raised.value)
+    with pytest.raises(InputError, match="^resume: "):
+        load(tmp_path / "none.h5")
+    with h5py.File(path, "w") as file:
+        file["anything"] = np.zeros(3)
+    with pytest.raises(InputError, match="^resume: .*no branch"):
+        load(path)
+    path.write_bytes(whole)
+    with h5py.File(path, "r+") as file:
+        del file["points/3/u"]
+        file["points/3/u"] = np.zeros(7)
+    with pytest.raises(InputError, match="^resume: "):
+        load(path)
+
+
+def test_an_interrupted_branch_keeps_its_points():
+    def interrupt(branch):
+        if len(branch.points) > 4:
+            raise KeyboardInterrupt
+
+    branch = pearl_branch(0.48, 15, 2, branch_options({"v": 1.2}, progress=interrupt))
+    assert (branch.reason, branch.complete) == ("interrupted", False)
+    assert len(branch.points) > 4
+    assert branch.kinds(len(branch.points) - 1) == ["end"]
+
+
+def test_an_end_has_a_reason():
+    branch = pearl_branch(0.0, 10, 1, branch_options(max_points=5))
+    assert not branch.complete
+    assert "max_points" in branch.reason
+
+
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda: pearl_branch(0.48, 15, 0), "mode"),
+        (lambda: pearl_branch(0.48, 2 * math.pi, 1), "mode: .*k = 1"),
+        (lambda: pearl_branch(0.48, -1, 1), "length"),
+        (lambda: pearl_branch(0.48, 15, 2, tolerance=1.0), "tolerance"),
+        (lambda: branch_options({"w": 1.0}), "until"),
+        (lambda: branch_options({"v": math.nan}), "until v"),
+        (lambda: branch_options(max_points=1), "max_points"),
+        (lambda: branch_options(step=0.7), "step"),
+    ],
+)
+def test_mistakes(call, name):
+    with pytest.raises(InputError, match=f"^{name}"):
+        call()
+
+
+def test_switches_that_cannot_be(four):
+    with pytest.raises(InputError, match="^switch: the branch has 2"):
+        switched(four, 3, branch_options())
+    branch = pearl_branch(0.75, 10, 1, branch_options({"v": 1.04}))
+    with pytest.raises(InputError, match="^switch: .*n = 1"):
+        switched(branch, 1, branch_options())
+    assert pearls.path(0.48, 7.5, 1.03).points[0].problem.cells == 1
+    with pytest.raises(ValueError, match="^cells: "):
+        unrolled(replace(four.points[0].point.problem, cells=3), 2, "pearl")
+
+
+def test_pearls_continued_in_c0_and_length_are_the_pearls_of_that_tube():
+    """From c0 = 0, L = 10 at v = 1.1 to c0 = 0.2, then to L = 11: where the branches of those tubes pass v = 1.1."""
+    here = pearl_branch(0.0, 10, 1, branch_options({"v": 1.1}))
+    moved = varied(here, -1, "c0", branch_options({"c0": 0.2}))
+    longer = varied(moved, -1, "L", branch_options({"L": 11.0}))
+    for found, c0, length in ((moved, 0.2, 10.0), (longer, 0.2, 11.0)):
+        direct = pearl_branch(c0, length, 1, branch_options({"v": 1.1})).table().iloc[-1]
+        last = found.table().iloc[-1]
+        assert (last.c0, last.L, last.v) == pytest.approx((c0, length, 1.1), abs=1e-12)
+        for name in ("lambda1", "lambda2", "E", "mu_crit"):
+            assert last[name] == pytest.approx(direct[name], abs=1e-8)
+    with pytest.raises(InputError, match="^vary: "):
+        varied(here, -1, "v", branch_options())
+    with pytest.raises(InputError, match="^point: "):
+        varied(here, 99, "c0", branch_options())
