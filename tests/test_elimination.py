@@ -9,7 +9,7 @@ from pearlbvp.collocation.scheme import gauss_scheme
 
 
 def dense(scheme, system):
-    """The whole matrix, row by row from ``y' - jacobian y - parameter_jacobian p`` and the borders' definitions."""
+    """The whole matrix, row by row from ``mass y' - jacobian y - parameter_jacobian p`` and the borders' definitions."""
     m, h = scheme.m, system.h
     n, k = system.parameter_jacobian.shape[1:]
     at_start, at_end, by_p = system.boundary
@@ -24,7 +24,7 @@ def dense(scheme, system):
                 place = (i * m + j) * n
                 values[:, place : place + n] += scheme.values[g, j] * np.eye(n)
                 slopes[:, place : place + n] += scheme.derivatives[g, j] / h[i] * np.eye(n)
-            row = slopes - system.jacobian[i * m + g] @ values
+            row = system.mass[:, None] * slopes - system.jacobian[i * m + g] @ values
             row[:, unknowns - k :] -= system.parameter_jacobian[i * m + g]
             rows.append(row)
             weights[i * m + g] = h[i] * scheme.weights[g] * values[:, : unknowns - k].T
@@ -51,6 +51,7 @@ def test_agrees_with_the_dense_matrix(m, n, intervals, k, b):
         (rng.standard_normal((b, n)), rng.standard_normal((b, n)), rng.standard_normal((b, k))),
         rng.standard_normal((points, c, n)),
         rng.standard_normal((c, k)),
+        rng.standard_normal(n),
     )
     defects, conditions = rng.standard_normal((points, n, 2)), rng.standard_normal((b + c, 2))
     y, p = solve(scheme, system, defects, conditions)
@@ -84,7 +85,7 @@ def test_a_singular_matrix_is_said_to_be_singular():
     zeros = np.zeros((2, 1, 1))
     system = LinearSystem(
         np.ones(1), zeros, np.zeros((2, 1, 0)), (np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((1, 0))),
-        np.zeros((2, 0, 1)), np.zeros((0, 0)),
+        np.zeros((2, 0, 1)), np.zeros((0, 0)), np.ones(1),
     )  # fmt: skip
     with pytest.raises(np.linalg.LinAlgError):
         solve(scheme, system, np.ones((2, 1, 1)), np.ones((1, 1)))

@@ -103,7 +103,7 @@ class Discretization:
         return result
 
     def residual(self, u: Array) -> Array:
-        """Defects ``y' - f`` at the collocation points, then boundary conditions, then integrals: one row.
+        """Defects ``M y' - f`` at the collocation points, then boundary conditions, then integrals: one row.
 
         All are linear in a small error of ``u``, and of its size.
         """
@@ -111,7 +111,8 @@ class Discretization:
         values = self.values(u)
         y = self.at_gauss_points(u)
         slopes = apply_basis(self.scheme.derivatives, values) / self.gauss_h
-        defects = slopes - self.problem.rhs(self.gauss_points, y, p)
+        mass, _ = self.problem.mass(p)
+        defects = (slopes if mass is None else mass * slopes) - self.problem.rhs(self.gauss_points, y, p)
         return np.concatenate(
             (
                 defects.ravel(),
@@ -144,6 +145,10 @@ class Discretization:
         p, values, y = self.all_parameters(u), self.values(u), self.at_gauss_points(u)
         t, free = self.gauss_points, self.free_index
         by_y, by_p = self.problem.rhs_jacobian(t, y, p)
+        mass, mass_p = self.problem.mass(p)
+        if mass_p is not None:
+            slopes = apply_basis(self.scheme.derivatives, values) / self.gauss_h
+            by_p = by_p - slopes[:, :, None] * mass_p
         at_start, at_end, boundary_p = self.problem.boundary_jacobian(values[0], values[-1], p)
         densities, integrals_p = self.problem.integrand_jacobian(t, y, p)
         borders_p = np.tensordot(self.gauss_weights, integrals_p, 1)[:, free]
@@ -157,6 +162,7 @@ class Discretization:
             boundary=(at_start, at_end, boundary_p[:, free]),
             borders=densities,
             borders_p=borders_p,
+            mass=np.ones(self.n) if mass is None else mass,
         )
         columns = rhs.reshape(self.size, -1)
         points = len(t) * self.n

@@ -40,6 +40,7 @@ class LinearSystem(NamedTuple):
         borders: densities of the border rows at the Gauss points, shape (N*m, c, n): a row is
             ``integral of density . y dt + borders_p . p``.
         borders_p: their entries in the parameters' columns, shape (c, k).
+        mass: factors of the derivatives ``y'`` in the ODE's equations, shape (n,).
     """
 
     h: Array
@@ -48,10 +49,11 @@ class LinearSystem(NamedTuple):
     boundary: tuple[Array, Array, Array]
     borders: Array
     borders_p: Array
+    mass: Array
 
 
 @compiled
-def _condense(derivatives, values, weights, h, jacobian, extra, borders):  # type: ignore[no-untyped-def]
+def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass):  # type: ignore[no-untyped-def]
     """Step 1 in every interval and step 2 along them; see the module's docstring.
 
     ``extra`` has shape (N*m, n, e). Returns the eliminated rows of each interval, those of each inner mesh point, the
@@ -83,7 +85,7 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders):  # typ
                 for row in range(n):
                     for column in range(n):
                         local[g * n + row, first + column] = -factor * jacobian[i * m + g, row, column]
-                    local[g * n + row, first + row] += derivatives[g, j]
+                    local[g * n + row, first + row] += mass[row] * derivatives[g, j]
                 factor *= weights[g]
                 for row in range(c):
                     for column in range(n):
@@ -203,7 +205,7 @@ def _substitute(pivots, chain, ends, parameters, n, m):  # type: ignore[no-untyp
 
 
 def solve(scheme: Scheme, system: LinearSystem, defects: Array, conditions: Array) -> tuple[Array, Array]:
-    """Solve ``y' - jacobian y - parameter_jacobian p = defects``, with boundary and border rows ``= conditions``.
+    """Solve ``mass y' - jacobian y - parameter_jacobian p = defects``, with boundary and border rows ``= conditions``.
 
     Args:
         scheme: the collocation scheme.
@@ -220,7 +222,7 @@ def solve(scheme: Scheme, system: LinearSystem, defects: Array, conditions: Arra
     n, k = system.parameter_jacobian.shape[1:]
     extra = np.ascontiguousarray(np.concatenate((-system.parameter_jacobian, defects), axis=2))
     pivots, chain, block, border = _condense(
-        scheme.derivatives, scheme.values, scheme.weights, system.h, system.jacobian, extra, system.borders
+        scheme.derivatives, scheme.values, scheme.weights, system.h, system.jacobian, extra, system.borders, system.mass
     )
     ends = 2 * n + k
     borders_from = ends - len(border)
@@ -249,6 +251,13 @@ def transfer_pencil(scheme: Scheme, h: Array, jacobian: Array) -> tuple[Array, A
     n = jacobian.shape[1]
     empty = np.zeros((len(jacobian), n, 0))
     _, _, block, _ = _condense(
-        scheme.derivatives, scheme.values, scheme.weights, h, jacobian, empty, np.zeros((len(jacobian), 0, n))
+        scheme.derivatives,
+        scheme.values,
+        scheme.weights,
+        h,
+        jacobian,
+        empty,
+        np.zeros((len(jacobian), 0, n)),
+        np.ones(n),
     )
     return block[:, :n].copy(), block[:, n:].copy()

@@ -10,6 +10,10 @@ import numpy as np
 from pearlbvp.collocation.scheme import Array
 
 
+def _no_mass(p: Array) -> tuple[Array | None, Array | None]:
+    return None, None
+
+
 def _no_integrals(t: Array, y: Array, p: Array) -> Array:
     return np.zeros((len(t), 0))
 
@@ -20,7 +24,7 @@ def _no_integrals_jacobian(t: Array, y: Array, p: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class BoundaryValueProblem:
-    """``y' = f(t, y, p)`` on ``0 <= t <= 1`` with ``b(y(0), y(1), p) = 0`` and ``integral of g(t, y, p) dt = 0``.
+    """``M(p) y' = f(t, y, p)`` on [0, 1] with ``b(y(0), y(1), p) = 0`` and ``integral of g(t, y, p) dt = 0``.
 
     Callbacks take many points at once: ``t`` of shape (K,), ``y`` (K, n), ``p`` (k,), numpy or compiled alike.
 
@@ -33,6 +37,8 @@ class BoundaryValueProblem:
         boundary_jacobian: its derivatives by ``ya``, ``yb``, ``p``, shapes (b, n), (b, n), (b, k).
         integrand: ``g``, shape (K, c); none by default.
         integrand_jacobian: its derivatives by ``y`` and ``p``, shapes (K, c, n) and (K, c, k).
+        mass: diagonal of ``M``, shape (n,), and its derivatives by ``p``, shape (n, k); ``None, None`` for the identity.
+            Entries may pass through zero, where an equation becomes algebraic.
     """
 
     states: tuple[str, ...]
@@ -43,3 +49,4 @@ class BoundaryValueProblem:
     boundary_jacobian: Callable[[Array, Array, Array], tuple[Array, Array, Array]]
     integrand: Callable[[Array, Array, Array], Array] = _no_integrals
     integrand_jacobian: Callable[[Array, Array, Array], tuple[Array, Array]] = _no_integrals_jacobian
+    mass: Callable[[Array], tuple[Array | None, Array | None]] = _no_mass

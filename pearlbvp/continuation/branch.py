@@ -47,6 +47,9 @@ class StableProblem(Problem, Protocol):
     def conserved(self) -> str:
         """The observable that perturbations keep and a branch does not: at its turning points ``own_block`` changes."""
 
+    def poles(self, u: Array) -> Mapping[str, float]:
+        """Named functions at whose zeros growth rates pass through infinity; those that are regular there."""
+
     def spectrum(self, u: Array) -> Spectrum:
         """Growth rates in all symmetry blocks."""
 
@@ -59,7 +62,7 @@ class SpecialPoint(Generic[P]):
     """A point of a branch at which something happens.
 
     Attributes:
-        kind: ``start``, ``bp``, ``fold:NAME``, ``stop`` or ``end``.
+        kind: ``start``, ``bp``, ``fold:NAME``, ``stop``, ``end``, or the name of one of the problem's poles.
         index: place among the branch's points.
         block: symmetry block of the neutral perturbation, for ``bp``.
         change: by how much the number of unstable perturbations of that block changes there.
@@ -144,14 +147,14 @@ class BranchOptions:
         path: steps and tolerances.
         until: stop exactly where an observable, or ``mu_crit``, has a value.
         folds: observables whose turning points are located.
-        limit: a reason to end at a point, or None.
+        limit: a reason to end at a point with its spectrum, or None.
         progress: called with the branch so far after each step, to show or to save it.
     """
 
     path: PathOptions = field(default_factory=PathOptions)
     until: Mapping[str, float] = field(default_factory=dict)
     folds: Sequence[str] = ("lambda1", "lambda2", "v", "E")
-    limit: Callable[[Point[Any]], str | None] = lambda point: None
+    limit: Callable[[BranchPoint[Any]], str | None] = lambda point: None
     progress: Callable[[Branch[Any]], None] = lambda branch: None
 
 
@@ -212,7 +215,9 @@ def _wanted(first: BranchPoint[P], last: Point[P], until: Mapping[str, float]) -
 
         ends = difference(first.point), difference(last)
         if ends[0] != 0 and ends[0] * ends[1] <= 0:
-            stops.append(_located(segment, "stop", difference, ends))
+            found = _located(segment, "stop", difference, ends)
+            if not found.converged or abs(difference(found.point)) < 1e-3 * (1 + abs(value)):  # else it was a pole
+                stops.append(found)
     return min(stops, key=lambda event: event.s, default=None)
 
 
@@ -220,13 +225,18 @@ def _events(first: BranchPoint[P], last: BranchPoint[P], folds: Sequence[str], a
     """Folds and branch points between two consecutive points, in their order."""
     segment = Segment(first.point, last.point)
     events: list[_Event[P]] = []
+    problem: Any = first.point.problem
+    for name, before in problem.poles(first.point.u).items():
+        after = problem.poles(problem.adopt(last.point.problem, last.point.u))[name]
+        if before * after < 0:
+            # Growth rates change sign by way of infinity here: their signs tell of no branch points in this step.
+            return [_located(segment, name, lambda p, n=name: p.problem.poles(p.u)[n], (before, after))]  # type: ignore[misc]
     # At a pitchfork every observable turns: its slope is that of the branch a little further on.
     behind = segment.point(0.1 * segment.length) if at_start else first.point
     for name in folds:
         ends = slope(behind, name), slope(last.point, name)
         if ends[0] * ends[1] < 0:
             events.append(_located(segment, f"fold:{name}", lambda p, n=name: slope(p, n), ends))  # type: ignore[misc]
-    problem: Any = first.point.problem
     crossings = _crossing_rates(first.spectrum, last.spectrum, 1e-6 if at_start else 0.0)
     if any(block == problem.own_block for block, *_ in crossings):
         segment.refine()
@@ -284,7 +294,7 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
             options.progress(Branch(points, special, "unfinished", False))
             if wanted is not None:
                 return end("the wanted value is reached", "stop")
-            reason = options.limit(point)
+            reason = options.limit(latest)
             if reason is not None:
                 return end(reason)
             if len(points) >= options.path.max_points:

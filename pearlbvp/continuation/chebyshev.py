@@ -90,7 +90,8 @@ def _resolve_piece(
     first, last = points[0], points[-1]
     problem = last.problem
     base, end = problem.adopt(first.problem, first.u), last.u
-    direction = problem.adopt(first.problem, first.tangent) if pitchfork else end - base
+    ahead = problem.adopt(first.problem, first.u + 1e-4 * first.tangent)
+    direction = ahead - base if pitchfork else end - base
     direction = direction / math.sqrt(problem.inner(direction, direction))
     reach = problem.inner(direction, end - base)
     options = NewtonOptions(max_iterations=8)

@@ -29,7 +29,7 @@ from pearlbvp.collocation import (
 from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.helfrich import Tube, cylinder_lambda1
-from pearlbvp.shapes import axisymmetric
+from pearlbvp.shapes import axisymmetric, tension
 from pearlbvp.stability.bloch import Fixed, SecondVariation
 from pearlbvp.stability.profile import Profile
 from pearlbvp.stability.spectrum import Block, Spectrum, block_rates, spectrum
@@ -50,6 +50,23 @@ HALF_CELL = BoundaryValueProblem(
     integrand=axisymmetric.constraints,
     integrand_jacobian=axisymmetric.constraints_jacobian,
 )
+
+
+HALF_CELL_TENSION = BoundaryValueProblem(
+    states=tension.STATES,
+    parameters=tension.PARAMETERS,
+    rhs=tension.rhs,
+    rhs_jacobian=tension.rhs_jacobian,
+    boundary=HALF_CELL.boundary,
+    boundary_jacobian=HALF_CELL.boundary_jacobian,
+    integrand=axisymmetric.constraints,
+    integrand_jacobian=axisymmetric.constraints_jacobian,
+    mass=tension.mass,
+)
+"""The half cell in the chart of large multipliers; its boundary conditions and integrals are the same."""
+
+LARGE_TENSION, SMALL_TENSION = 12.0, 6.0
+"""``|lambda1|`` above which a half cell changes to the chart of large multipliers, and below which it changes back."""
 
 
 def full_cell(reference: PiecewisePolynomial) -> BoundaryValueProblem:
@@ -121,6 +138,40 @@ class PearlProblem:
         """Whether it is the half cell."""
         return self.reference is None
 
+    @property
+    def large_tension(self) -> bool:
+        """Whether the unknown is that of the chart of large multipliers (``shapes.tension``)."""
+        return self.discretization.problem is HALF_CELL_TENSION
+
+    def multipliers(self, values: Array, parameters: Array) -> tuple[Array, Array]:
+        """States ``r, psi, h, w`` and parameters with ``lambda1, lambda2``, whatever the chart."""
+        return tension.to_multipliers(values, parameters) if self.large_tension else (values, parameters)
+
+    def change_chart(self, large: bool, u: Array, *tangents: Array) -> tuple[PearlProblem, list[Array]]:
+        """A half-cell solution, and tangents of it, in the one chart or the other."""
+        if large == self.large_tension:
+            return self, [u, *tangents]
+        d = self.discretization
+        convert = tension.from_multipliers if large else tension.to_multipliers
+        names = {"lambda1": "compliance", "lambda2": "mean"}
+        if not large:
+            names = {new: old for old, new in names.items()}
+        free = tuple(names.get(name, name) for name in d.free)
+        problem = HALF_CELL_TENSION if large else HALF_CELL
+        _, parameters = convert(d.values(u), d.all_parameters(u))
+        other = replace(d, problem=problem, parameters=parameters, free=free)
+
+        def moved(vector: Array) -> Array:
+            return other.pack(*convert(d.values(vector), d.all_parameters(vector)))
+
+        eps = 1e-6
+        turned = [(moved(u + eps * tangent) - moved(u - eps * tangent)) / (2 * eps) for tangent in tangents]
+        return replace(self, discretization=other), [moved(u), *turned]
+
+    def poles(self, u: Array) -> dict[str, float]:
+        """Functions at whose zeros growth rates pass through infinity: ``cmc``, constant mean curvature."""
+        return {"cmc": float(self.discretization.all_parameters(u)[1])} if self.large_tension else {}
+
     def residual(self, u: Array) -> Array:
         """Defects, boundary conditions and constraints at ``u``."""
         return self.discretization.residual(u)
@@ -135,8 +186,8 @@ class PearlProblem:
 
     def observables(self, u: Array) -> dict[str, float]:
         """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L``; ``E`` is by area, ``L`` the whole tube's."""
-        p = self.discretization.all_parameters(u)
-        y = self.discretization.at_gauss_points(u)
+        d = self.discretization
+        y, p = self.multipliers(d.at_gauss_points(u), d.all_parameters(u))
         radii = self.discretization.values(u)[:, 0]
         return {
             "lambda1": float(p[1]),
@@ -151,7 +202,14 @@ class PearlProblem:
         }
 
     def remesh(self, u: Array, *others: Array) -> tuple[PearlProblem, list[Array]] | None:
-        """The problem on a mesh fitted to ``u``, with all unknowns moved there; None if the present mesh will do."""
+        """The problem on a mesh fitted to ``u`` and in the chart that suits it, with tangents moved there.
+
+        None if mesh and chart will do.
+        """
+        size = abs(self.observables(u)["lambda1"])
+        if self.half and (size > LARGE_TENSION if not self.large_tension else size < SMALL_TENSION):
+            changed, moved = self.change_chart(not self.large_tension, u, *others)
+            return changed.remesh(*moved) or (changed, moved)
         polynomial = self.discretization.polynomial(u)
         error = float(error_estimate(polynomial).max())
         if error <= self.tolerance:
@@ -163,7 +221,8 @@ class PearlProblem:
         return replace(self, discretization=discretization), moved
 
     def adopt(self, other: PearlProblem, u: Array) -> Array:
-        """An unknown that lives on another problem's mesh, interpolated onto this one's."""
+        """An unknown that lives on another problem's mesh and chart, moved onto this one's."""
+        other, (u,) = other.change_chart(self.large_tension, u)
         if np.array_equal(other.discretization.mesh, self.discretization.mesh):
             return u
         _, (moved,) = other.discretization.on_mesh(self.discretization.mesh, u)
@@ -171,9 +230,10 @@ class PearlProblem:
 
     def profile(self, u: Array) -> Profile:
         """The shape, for ``stability`` and pictures."""
-        p = self.discretization.all_parameters(u)
+        d = self.discretization
+        values, p = self.multipliers(d.values(u), d.all_parameters(u))
         return Profile(
-            states=self.discretization.polynomial(u),
+            states=PiecewisePolynomial(d.mesh, values),
             arclength=float(p[0]),
             half=self.half,
             c0=float(p[3]),
@@ -210,6 +270,9 @@ class PearlProblem:
         Raises:
             ValueError: a name that is no parameter.
         """
+        if self.large_tension:
+            plain, (u,) = self.change_chart(False, u)
+            return plain.released(u, *free)
         d = self.discretization
         names = (*free, "drag") if self.reference is not None else free
         discretization = replace(d, parameters=d.all_parameters(u), free=names)
@@ -231,7 +294,8 @@ class PearlProblem:
         if block == self.own_block:
             return self, list(vectors)
         if block.j == 0:
-            return full_cell_problem(self, *vectors)
+            plain, moved = self.change_chart(False, *vectors)
+            return full_cell_problem(plain, *moved)
         if block.parity is not None:  # a wave that changes sign from cell to cell is even about either pearl or neck
             centre = "pearl" if block.parity == "even" else "neck"
         return unrolled(self, block.cells // math.gcd(block.j, block.cells), centre, *vectors)
@@ -245,7 +309,7 @@ class PearlProblem:
         d = self.discretization
         tree: dict[str, Any] = {
             "mesh": d.mesh, "degree": d.scheme.m, "parameters": d.parameters, "free": ",".join(d.free),
-            "tolerance": self.tolerance, "cells": self.cells, "fixed": self.fixed,
+            "tolerance": self.tolerance, "cells": self.cells, "fixed": self.fixed, "large_tension": self.large_tension,
         }  # fmt: skip
         if self.reference is not None:
             tree |= {"reference_mesh": self.reference.mesh, "reference_values": self.reference.values}
@@ -263,15 +327,17 @@ class PearlProblem:
             reference = PiecewisePolynomial(tree["reference_mesh"], tree["reference_values"])
         if tree["fixed"] not in get_args(Fixed):
             raise ValueError(f"fixed: {tree['fixed']!r} is none of {get_args(Fixed)}")
-        problem = HALF_CELL if reference is None else full_cell(reference)
+        problem = HALF_CELL_TENSION if tree["large_tension"] else HALF_CELL
+        if reference is not None:
+            problem = full_cell(reference)
         scheme, free = gauss_scheme(int(tree["degree"])), tuple(tree["free"].split(","))
         discretization = Discretization(problem, scheme, tree["mesh"], tree["parameters"], free)
         return cls(discretization, reference, float(tree["tolerance"]), int(tree["cells"]), tree["fixed"])
 
     def axial_force_spread(self, u: Array) -> float:
         """Largest minus smallest axial force at the mesh points: zero on an exact solution, a free error measure."""
-        values = self.discretization.values(u)[:: self.discretization.scheme.m]
-        force = axisymmetric.axial_force(values, self.discretization.all_parameters(u))
+        d = self.discretization
+        force = axisymmetric.axial_force(*self.multipliers(d.values(u)[:: d.scheme.m], d.all_parameters(u)))
         return float(np.ptp(force))
 
 

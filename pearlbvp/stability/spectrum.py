@@ -104,11 +104,13 @@ class Spectrum:
         rates: largest growth rates of each block, largest first.
         residual: largest residual of an exact kernel: how well the spectrum is resolved.
         points: Fourier points of a period.
+        complete: whether all unstable waves are among them; else more wind around the tube than were looked at.
     """
 
     rates: dict[Block, Array]
     residual: float
     points: int
+    complete: bool = True
 
     @property
     def neutral(self) -> float:
@@ -125,7 +127,9 @@ class Spectrum:
         parities = {None: 0, "even": 1, "odd": 2}
         return {
             "blocks": np.array([(b.n, b.j, b.cells, parities[b.parity]) for b in self.rates], dtype=np.int64),
-            "rates": np.array(list(self.rates.values())),
+            "rates": np.concatenate(list(self.rates.values())),
+            "sizes": np.array([len(rates) for rates in self.rates.values()], dtype=np.int64),
+            "complete": self.complete,
             "residual": self.residual,
             "points": self.points,
         }
@@ -135,8 +139,9 @@ class Spectrum:
         """The inverse of ``to_tree``."""
         parities = (None, "even", "odd")
         blocks = [Block(int(n), int(j), int(cells), parities[parity]) for n, j, cells, parity in tree["blocks"]]
-        rates = {block: np.asarray(rates) for block, rates in zip(blocks, tree["rates"], strict=True)}
-        return cls(rates, float(tree["residual"]), int(tree["points"]))
+        pieces = np.split(np.asarray(tree["rates"], dtype=float), np.cumsum(tree["sizes"])[:-1])
+        rates = dict(zip(blocks, pieces, strict=True))
+        return cls(rates, float(tree["residual"]), int(tree["points"]), bool(tree["complete"]))
 
     @property
     def critical(self) -> Block:
@@ -150,7 +155,7 @@ class Spectrum:
 
 
 _KEPT = 12
-"""Growth rates kept of each block."""
+"""Growth rates kept of each block, besides the positive ones."""
 
 
 def spectrum(
@@ -189,9 +194,10 @@ def spectrum(
     before = np.inf
     for n in range(max_n + 1):
         for block in blocks_of(cells, n, profile.half):
-            rates[block] = block_rates(variation, block, fixed)[0][:_KEPT]
+            found = block_rates(variation, block, fixed)[0]
+            rates[block] = found[: _KEPT + int((found > 0).sum())]
         largest = max(float(rates[block][0]) for block in rates if block.n == n)
         if n >= 2 and largest < 0 and largest < before:
-            break
+            return Spectrum(rates, residual, points)
         before = largest
-    return Spectrum(rates, residual, points)
+    return Spectrum(rates, residual, points, complete=False)

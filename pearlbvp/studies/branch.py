@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from pearlbvp.continuation.branch import Branch, BranchOptions, SpecialPoint, continue_branch, start_point
-from pearlbvp.continuation.path import PathOptions, Point
+from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, SpecialPoint, continue_branch, start_point
+from pearlbvp.continuation.path import PathOptions
 from pearlbvp.continuation.storage import read_branch, write_branch
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.errors import InputError
@@ -59,7 +59,10 @@ def branch_options(
     if not 1e-6 < step <= max_step:
         raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}")
 
-    def limit(point: Point[Any]) -> str | None:
+    def limit(point: BranchPoint[Any]) -> str | None:
+        if not point.spectrum.complete:
+            n = max(block.n for block in point.spectrum.rates)
+            return f"waves of more than n = {n} around the tube grow: its tension is {point.observables['lambda1']:.3g}"
         if point.observables["r_min"] < THINNEST_NECK:
             return f"the neck is thinner than {THINNEST_NECK:g} radii: the surface is about to touch its axis"
         return None
