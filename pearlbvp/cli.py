@@ -274,12 +274,27 @@ class ModeNumbers(click.ParamType):
 @cli.command(
     epilog="Examples:  pearlbvp branch pearl --c0 0 --length 10 --until v=1.3 --save b.h5 --plot b.png  |  "
     "pearlbvp branch pearl --resume b.h5 --until v=1.34  |  "
-    "pearlbvp branch pearl --resume b.h5 --switch 1 --centre neck --until v=1.2"
+    "pearlbvp branch pearl --resume b.h5 --switch 1 --centre neck --until v=1.2  |  "
+    "pearlbvp branch pearl --c0 0.75 --length 10 --shape=-0.3,0.5 --volume 1.0 --until v=1.1"
 )
 @click.argument("family", type=click.Choice(["pearl"]))
 @click.option("--c0", type=Number(), help="Spontaneous curvature.")
 @click.option("--length", type=Number(), metavar="L", help="Axial period of the tube.")
 @click.option("--mode", type=ModeNumbers(), default="1,0", show_default=True, help="Waves along and around the tube.")
+@click.option(
+    "--shape",
+    type=Numbers(),
+    metavar="A1,A2,..",
+    help="Start from the shape of least energy near r = 1 + sum of A_k cos(2 pi k x / L), at --volume.",
+)
+@click.option("--volume", type=Number(), help="With --shape: its reduced volume.")
+@click.option(
+    "--cells",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    help="With --shape: periods on the tube that stability is judged on; L is that of one.",
+)
 @click.option("--until", type=Until(), multiple=True, help="Stop exactly there; the first reached counts.")
 @click.option(
     "--max-points", type=click.IntRange(min=2), default=200, show_default=True, help="End after so many more."
@@ -306,6 +321,9 @@ def branch(
     c0: float | None,
     length: float | None,
     mode: tuple[int, int],
+    shape: list[float] | None,
+    volume: float | None,
+    cells: int,
     until: tuple[tuple[str, float], ...],
     max_points: int,
     step: float,
@@ -344,6 +362,8 @@ def branch(
         raise InputError("--switch, --vary: they need --resume, the saved branch that they start from")
     if switch is not None and vary is not None:
         raise InputError("--switch, --vary: choose one of them")
+    if (shape is None) != (volume is None) or (shape is not None and resume is not None):
+        raise InputError("--shape, --volume: give both, with --c0 and --length and without --resume")
     if mode[1] != 0:
         raise InputError(f"--mode: pearls have n = 0, so {mode[0]},{mode[1]} is none of them; give {max(mode[0], 1)},0")
     from tqdm import tqdm
@@ -360,9 +380,15 @@ def branch(
             checkpoint(so_far)
 
         options = study.branch_options(wanted, max_points=max_points, step=step, max_step=max_step, progress=progress)
-        if resume is None:
+        fixed: Any = "area" if pressure else "area and volume"
+        if shape is not None:
             tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
-            fixed: Any = "area" if pressure else "area and volume"
+            scaled = [amplitude / radius for amplitude in shape]
+            found = study.shape_branch(
+                tube.c0, tube.length, volume or 0, scaled, options, tolerance=tolerance, fixed=fixed
+            )
+        elif resume is None:
+            tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
             found = study.pearl_branch(tube.c0, tube.length, mode[0], options, tolerance=tolerance, fixed=fixed)
         elif vary is not None:
             found = study.varied(study.load(resume), point, vary, options, keep=keep, upwards=not down)

@@ -14,9 +14,21 @@ from pearlbvp.continuation.branch import BranchOptions, continue_branch, start_p
 from pearlbvp.continuation.path import PathOptions
 from pearlbvp.continuation.switching import crossing_direction
 from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube
+from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import unrolled
 from pearlbvp.stability.spectrum import Block, Spectrum
-from pearlbvp.studies.branch import COLUMNS, branch_options, load, pearl_branch, resumed, save, switched, varied
+from pearlbvp.studies.branch import (
+    COLUMNS,
+    branch_options,
+    load,
+    pearl_branch,
+    resumed,
+    save,
+    shape_branch,
+    switched,
+    varied,
+)
 from pearlbvp.studies.localized import localized_pearls
 
 
@@ -284,3 +296,72 @@ def test_pearls_continued_in_c0_and_length_are_the_pearls_of_that_tube():
         varied(here, -1, "v", branch_options())
     with pytest.raises(InputError, match="^point: "):
         varied(here, 99, "c0", branch_options())
+
+
+@pytest.fixture(scope="module")
+def unequal():
+    """The paper's branch P: two unequal pearls at c0 = 0.75, L = 10."""
+    return shape_branch(0.75, 10, 1.0, [-0.28, 0.47], branch_options({"v": 1.1}, max_points=40))
+
+
+def test_two_unequal_pearls_are_stable_and_begin_at_a_pitchfork(unequal):
+    table = unequal.table()
+    stable = table[table.v > table.v.min() + 1e-6]
+    assert (stable.n_unstable == 0).all()
+    start = table[table.v.sub(1.0).abs() < 1e-12].iloc[0]
+    assert start.r_max == pytest.approx(1.532363, abs=1e-6)
+    # Where it begins, the two pearls are equal: every observable turns at the same point.
+    beginning = table[table.special.str.contains("fold:v")].iloc[0]
+    assert beginning.v == pytest.approx(0.9747043, abs=1e-7)
+    profile = unequal.at(unequal.find("fold:v")[0]).point
+    values = profile.problem.discretization.values(profile.u)
+    assert values[0, 0] == pytest.approx(values[-1, 0], abs=1e-4)
+
+
+def test_the_unequal_pearls_branch_from_pearls_of_half_the_period(unequal):
+    """Two equal pearls of period 5 lose stability to a wave of two cells just there, on a branch that is stable before."""
+    beginning = unequal.at(unequal.find("fold:v")[0]).observables
+    equal = shape_branch(0.75, 5, 0.9741, [0.51, -0.11, 0.03], branch_options({"v": 0.976}, max_points=12), cells=2)
+    table = equal.table()
+    alternating = [equal.at(s).observables for s in equal.find("bp") if str(s.block) == "n=0 j=1/2 even"]
+    found = min(alternating, key=lambda observables: abs(observables["v"] - beginning["v"]))
+    for name in ("lambda1", "lambda2", "v", "E"):
+        assert found[name] == pytest.approx(beginning[name], abs=2e-8)
+    assert table[(table.v > 0.9734) & (table.v < found["v"] - 1e-8)].n_unstable.eq(0).all()
+    assert table[table.v > found["v"] + 1e-8].n_unstable.eq(1).all()
+
+
+def test_a_shape_that_leads_nowhere_is_said():
+    with pytest.raises(InputError, match="^cosines: "):
+        shape_branch(0.0, 10, 5.0, [0.1])
+    with pytest.raises(InputError, match="^v: "):
+        shape_branch(0.0, 10, -1.0, [0.1])
+
+
+def test_the_least_energy_shape_lies_on_the_continued_branch():
+    """Minimising a graph's energy at v = 1.1 finds the point of the pearl branch at v = 1.1 (c0 = 0, L = 10)."""
+    direct = pearl_branch(0.0, 10, 1, branch_options({"v": 1.1})).table().iloc[-1]
+    amplitudes, why = relaxed(Tube(0.0, 10), 1.1, np.array([0.4]))
+    assert why == ""
+    problem, u, why = pearl_of_graph(Tube(0.0, 10), 1.1, amplitudes)
+    assert why == ""
+    for name in ("lambda1", "lambda2", "E", "r_min"):
+        assert problem.observables(u)[name] == pytest.approx(direct[name], abs=1e-9)
+
+
+def test_through_a_surface_of_constant_mean_curvature():
+    """c0 = 0.75, m = 2: multipliers pass through infinity near v = 0.9719, while shape, v and E stay smooth."""
+    branch = pearl_branch(0.75, 10, 2, branch_options(max_points=70))
+    (special,) = branch.find("cmc")
+    entry = branch.at(special)
+    assert entry.observables["v"] == pytest.approx(0.9719, abs=1e-4)
+    assert abs(entry.observables["lambda1"]) > 1e9
+    # An unduloid: the mean curvature is the same everywhere, and r cos psi - H r^2 is a first integral.
+    profile = entry.point.problem.profile(entry.point.u)
+    r, psi, h, _ = profile.states.values.T
+    assert np.ptp(h) < 1e-10
+    assert np.ptp(r * np.cos(psi) - h[0] * r**2) < 1e-10
+    after = branch.points[special.index + 1].observables
+    assert after["lambda1"] < 0 < branch.points[special.index - 1].observables["lambda1"]
+    assert after["E"] == pytest.approx(entry.observables["E"], abs=1e-3)
+    assert "n = 12" in branch.reason  # under large compression all short waves grow

@@ -131,10 +131,20 @@ class Branch(Generic[P]):
             rows.append({"point": index, "special": ",".join(self.kinds(index))} | entry.observables | stability)
         return pd.DataFrame(rows)
 
+    def reversed(self) -> Branch[P]:
+        """The branch from its last point to its first, tangents turned round. Where it ended, it starts: an ``end``."""
+        last = len(self.points) - 1
+        points = [
+            BranchPoint(replace(entry.point, tangent=-entry.point.tangent), entry.spectrum)
+            for entry in self.points[::-1]
+        ]
+        special = [replace(s, index=last - s.index, change=-s.change) for s in self.special[::-1]]
+        return Branch(points, special, self.reason, self.complete)
+
     def extended(self, further: Branch[P]) -> Branch[P]:
         """This branch and one that starts at its last point, as one."""
         offset = len(self.points) - 1
-        kept = [s for s in self.special if s.kind not in ("end", "stop")]
+        kept = [s for s in self.special if s.kind not in ("end", "stop") or s.index < offset]
         added = [replace(s, index=s.index + offset) for s in further.special if s.kind != "start"]
         return Branch(self.points + further.points[1:], kept + added, further.reason, further.complete)
 

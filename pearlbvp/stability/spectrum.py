@@ -158,6 +158,13 @@ _KEPT = 12
 """Growth rates kept of each block, besides the positive ones."""
 
 
+def _sampled(profile: Profile, points: int) -> tuple[SecondVariation, float]:
+    """The second variation on some points, and how far translations are from being its kernel."""
+    variation = SecondVariation.of(profile, points)
+    translations = [block for n in (0, 1) for block in blocks_of(1, n, profile.half)]
+    return variation, max(block_rates(variation, block)[1] for block in translations)
+
+
 def spectrum(
     profile: Profile,
     cells: int = 1,
@@ -170,7 +177,8 @@ def spectrum(
 ) -> Spectrum:
     """Growth rates of all perturbations of a tube of ``cells`` periods, over all ``n`` that matter.
 
-    The number of Fourier points is doubled until the exact kernels are kernels to ``tolerance``. Azimuthal numbers go up
+    The number of Fourier points is doubled until the exact kernels are kernels to ``tolerance``, as long as that helps.
+    Azimuthal numbers go up
     until, past ``n = 2``, all rates of one are negative and below those of the one before.
 
     Args:
@@ -183,13 +191,12 @@ def spectrum(
         max_n: largest azimuthal number.
     """
     points = points or max(48, 2 * math.ceil(3.5 * isothermal_points(profile, 2)[1]))
-    while True:
-        variation = SecondVariation.of(profile, points)
-        translations = [block for n in (0, 1) for block in blocks_of(1, n, profile.half)]
-        residual = max(block_rates(variation, block)[1] for block in translations)
-        if residual < tolerance or points >= max_points:
+    variation, residual = _sampled(profile, points)
+    while residual > tolerance and 2 * points <= max_points:
+        finer, smaller = _sampled(profile, 2 * points)
+        if smaller > residual / 2:  # rounding, or the profile itself, is what remains
             break
-        points *= 2
+        variation, residual, points = finer, smaller, 2 * points
     rates: dict[Block, Array] = {}
     before = np.inf
     for n in range(max_n + 1):

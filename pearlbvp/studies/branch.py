@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,8 @@ from pearlbvp.continuation.storage import read_branch, write_branch
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.files import writable, write_whole
-from pearlbvp.helfrich import Tube, finite
+from pearlbvp.helfrich import Tube, finite, positive
+from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import Centre, PearlProblem, pearling_onset
 from pearlbvp.stability.bloch import Fixed
 from pearlbvp.stability.spectrum import Spectrum
@@ -27,8 +28,11 @@ COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_m
 STOPS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L", "mu_crit")
 """Columns at a value of which a branch can stop."""
 
-THINNEST_NECK = 1e-3
-"""Radius of the neck at which a branch ends: the limit beyond is a string of spheres."""
+THINNEST_NECK = 4e-3
+"""Radius of the neck at which a branch ends: beyond, rounding spoils the count of unstable waves."""
+
+RESOLVED = 1e-4
+"""Error of the growth rates beyond which a branch ends rather than count wrongly."""
 
 
 def branch_options(
@@ -63,6 +67,8 @@ def branch_options(
         if not point.spectrum.complete:
             n = max(block.n for block in point.spectrum.rates)
             return f"waves of more than n = {n} around the tube grow: its tension is {point.observables['lambda1']:.3g}"
+        if point.spectrum.residual > RESOLVED:
+            return f"its spectrum is known to {point.spectrum.residual:.0e} only, at a neck of {point.observables['r_min']:.1e}"
         if point.observables["r_min"] < THINNEST_NECK:
             return f"the neck is thinner than {THINNEST_NECK:g} radii: the surface is about to touch its axis"
         return None
@@ -106,6 +112,52 @@ def pearl_branch(
     problem, u, tangent = pearling_onset(tube, m, tolerance=tolerance)
     start = start_point(replace(problem, fixed=fixed), u, tangent)
     return continue_branch(start, options or branch_options(), at_bifurcation=True)
+
+
+def shape_branch(
+    c0: float,
+    length: float,
+    v: float,
+    cosines: Sequence[float],
+    options: BranchOptions | None = None,
+    *,
+    cells: int = 1,
+    tolerance: float = 1e-9,
+    fixed: Fixed = "area and volume",
+) -> Branch[PearlProblem]:
+    """The branch through the shape of least energy that lies downhill from a guess: a way to isolated branches.
+
+    The shape is symmetric about ``x = 0``; the branch leads from it to smaller and to larger volume. ``until`` holds in
+    either direction, and the points run from smaller to larger volume at the shape.
+
+    Args:
+        c0: spontaneous curvature.
+        length: axial period of the shape, in radii.
+        v: reduced volume at which the energy is minimised.
+        cosines: the guess ``a_1, a_2, ...``: ``r = 1 + sum of a_k cos(2 pi k x / L)``.
+        options: where to stop and how to step, from ``branch_options``.
+        cells: how many periods the tube has that stability is judged on.
+        tolerance: estimated error of the profile at which the mesh is refined.
+        fixed: what the perturbations keep that stability is judged by.
+
+    Raises:
+        InputError: an argument that cannot be used, or a guess from which no equilibrium is reached.
+    """
+    tube, v = Tube(c0, length), positive("v", v)
+    amplitudes, why = relaxed(tube, v, np.array([finite("cosines", value) for value in cosines]))
+    if why:
+        raise InputError(f"cosines: {why}")
+    problem, u, why = pearl_of_graph(tube, v, amplitudes, tolerance=tolerance)
+    if why:
+        raise InputError(f"cosines: the shape of least energy led to no equilibrium ({why}); try other cosines")
+    problem = replace(problem, fixed=fixed, cells=cells)
+    upwards = np.zeros_like(u)
+    upwards[-1] = 1.0  # v is the last unknown
+    tangent = tangent_along(problem, u, upwards)
+    options = options or branch_options()
+    down = continue_branch(start_point(problem, u, -tangent), options)
+    up = continue_branch(start_point(problem, u, tangent), options)
+    return down.reversed().extended(up)
 
 
 def resumed(branch: Branch[PearlProblem], options: BranchOptions) -> Branch[PearlProblem]:
