@@ -134,7 +134,8 @@ class Discretization:
             u: where the Jacobian is taken.
             rhs: one or more right-hand sides in the order of ``residual`` (then the border's), shape (size,) or
                 (size, s).
-            row: the border; without it the problem must have as many conditions as unknowns.
+            row: the border, or several of them, shape (size,) or (k, size); unknowns must be as many as conditions and
+                borders.
 
         Returns:
             The solutions, in the shape of ``rhs``.
@@ -153,8 +154,10 @@ class Discretization:
         densities, integrals_p = self.problem.integrand_jacobian(t, y, p)
         borders_p = np.tensordot(self.gauss_weights, integrals_p, 1)[:, free]
         if row is not None:
-            densities = np.concatenate((densities, self.at_gauss_points(row)[:, None, :]), axis=1)
-            borders_p = np.concatenate((borders_p, row[None, row.size - len(free) :]))
+            rows = np.atleast_2d(row)
+            at_gauss = np.stack([self.at_gauss_points(one) for one in rows], axis=1)
+            densities = np.concatenate((densities, at_gauss), axis=1)
+            borders_p = np.concatenate((borders_p, rows[:, rows.shape[1] - len(free) :]))
         system = LinearSystem(
             h=self.h,
             jacobian=by_y,

@@ -287,20 +287,22 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
         return Branch(points, special, reason, kind == "stop")
 
     try:
-        for point in steps(start, options.path):
+        path = steps(start, options.path)
+        while True:
             before, at_start = points[-1], at_bifurcation and len(points) == 1
+            point = next(path)
             wanted = _wanted(before, point, options.until)
             if wanted is not None and not wanted.converged:
                 return end("a wanted value lies just ahead, but could not be reached; take shorter steps")
             latest = _with_spectrum(point if wanted is None else wanted.point)
-            reached = -math.inf
-            for event in _events(before, latest, options.folds, at_start):
-                if event.converged and event.s - reached > SAME_PLACE:  # else it is one point with the event before
-                    points.append(_with_spectrum(event.point))
-                    reached = event.s
-                index = len(points) - 1 if event.converged else len(points)
-                special.append(SpecialPoint(event.kind, index, event.block, event.change, event.converged))
-            points.append(latest)
+            events = _events(before, latest, options.folds, at_start)
+            shorter = _length(before.point, latest.point) / 4
+            if shorter > 10 * options.path.min_step and any(_is_doubtful(event, point.problem) for event in events):
+                path = steps(replace(before.point, step=shorter), options.path)
+                continue
+            new, found = _placed(events, len(points))
+            points += [*new, latest]
+            special += found
             options.progress(Branch(points, special, "unfinished", False))
             if wanted is not None:
                 return end("the wanted value is reached", "stop")
@@ -313,7 +315,37 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
         return end(str(failure))
     except KeyboardInterrupt:
         return end("interrupted")
-    raise AssertionError("steps() ends by PathEnd only")
+
+
+def _is_doubtful(event: _Event[Any], problem: Any) -> bool:
+    """Whether an event speaks of a jump: stability to the solution's own kind changed, with no point where it does."""
+    return not event.converged and event.block == problem.own_block
+
+
+def _length(first: Point[Any], last: Point[Any]) -> float:
+    """Arclength between two points, along the first one's tangent."""
+    return abs(Segment(first, last).length)
+
+
+def _placed(events: list[_Event[P]], count: int) -> tuple[list[BranchPoint[P]], list[SpecialPoint[P]]]:
+    """Located events as points of a branch of ``count`` points, and as special points; one point for those at one place.
+
+    What was not located is attached to the computed point that comes after.
+    """
+    points: list[BranchPoint[P]] = []
+    reached = -math.inf
+    places = []
+    for event in events:
+        if event.converged and event.s - reached > SAME_PLACE:
+            points.append(_with_spectrum(event.point))
+            reached = event.s
+        places.append(count + len(points) - 1 if event.converged else None)
+    after = count + len(points)
+    special = [
+        SpecialPoint[P](event.kind, after if place is None else place, event.block, event.change, event.converged)
+        for event, place in zip(events, places, strict=True)
+    ]
+    return points, special
 
 
 def _with_spectrum(point: Point[P]) -> BranchPoint[P]:

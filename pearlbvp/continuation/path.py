@@ -81,6 +81,10 @@ class Path(Generic[P]):
     complete: bool
 
 
+LARGEST_KINK = 0.05
+"""Beyond, a step has left its curve. Steps of 20 degrees along a smooth curve have 0.02, jumps 0.1 to 1."""
+
+
 class PathEnd(ArithmeticError):
     """A path cannot go on; the message says why and what to try."""
 
@@ -113,8 +117,9 @@ def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
     """Points of the path beyond ``start``, one at a time, each corrected and on a mesh that fits it.
 
     The start may be a simple bifurcation point with the tangent of the branch wanted. No step is taken at which the
-    tangent turns by ``max_angle`` or more, or at which the corrector leads away from the predicted point by more than
-    half the step: so the path neither turns back nor jumps to another branch unnoticed.
+    tangent turns by ``max_angle`` or more, or at which the chord is not the mean of the tangents at its ends to within
+    ``LARGEST_KINK`` of its length, as it is on a smooth curve to third order in the step: so the path neither turns back
+    nor jumps to another branch unnoticed.
 
     Raises:
         PathEnd: the smallest step fails, or a new mesh does.
@@ -130,10 +135,11 @@ def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
         if result.converged:
             tangent = tangent / math.sqrt(inner(tangent, tangent))
             turn = math.degrees(math.acos(min(1.0, inner(tangent, point.tangent))))
-            away = result.u - predicted
-            distance = math.sqrt(inner(away, away))
-        if not result.converged or turn > options.max_angle or distance > step / 2:
-            why = result.message or f"the path turns by {turn:.0f} degrees and leaves its tangent by {distance:.1e}"
+            chord = result.u - point.u
+            kink = chord / math.sqrt(inner(chord, chord)) - (point.tangent + tangent) / 2
+            size = math.sqrt(inner(kink, kink))
+        if not result.converged or turn > options.max_angle or size > LARGEST_KINK:
+            why = result.message or f"the path turns by {turn:.0f} degrees, with a kink of {size:.2f}"
             step /= 2
             if step < options.min_step:
                 raise PathEnd(f"the step fell below min_step = {options.min_step:g}: {why}")

@@ -17,9 +17,10 @@ class Problem(Protocol):
         """The equations at ``u``, shape (size - 1,)."""
 
     def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
-        """Solve with the residual's Jacobian at ``u``, bordered below by the row ``inner(row, .)``.
+        """Solve with the residual's Jacobian at ``u``, bordered below by the row ``inner(row, .)``, or by several.
 
-        ``rhs`` has shape (size,) or (size, s). Raises ``numpy.linalg.LinAlgError`` where the matrix is singular.
+        ``rhs`` has shape (size,) or (size, s), ``row`` (size,) or (k, size).
+        Raises ``numpy.linalg.LinAlgError`` where the matrix is singular.
         """
 
     def inner(self, u: Array, v: Array) -> float:

@@ -265,7 +265,8 @@ class PearlProblem:
 
         Args:
             u: a solution.
-            free: names of four parameters (besides the drag of a full cell), the arclength among them.
+            free: names of the parameters (besides the drag of a full cell), the arclength among them: four leave a
+                curve of solutions, five a surface.
 
         Raises:
             ValueError: a name that is no parameter.
@@ -277,6 +278,22 @@ class PearlProblem:
         names = (*free, "drag") if self.reference is not None else free
         discretization = replace(d, parameters=d.all_parameters(u), free=names)
         return replace(self, discretization=discretization), discretization.pack(d.values(u), d.all_parameters(u))
+
+    def with_second(self, name: str, u: Array, tangent: Array) -> tuple[PearlProblem, list[Array], int]:
+        """The problem with ``c0`` or ``length`` free besides, vectors moved there, and that parameter's place in them.
+
+        Raises:
+            ValueError: another name.
+        """
+        if name not in ("c0", "length"):
+            raise ValueError(f"second: {name!r} is not c0 or length")
+        plain, (u, tangent) = self.change_chart(False, u, tangent)
+        free = plain.discretization.free
+        problem, moved = plain.released(u, *(p for p in free if p != "drag"), name)
+        k, place = len(free), problem.discretization.free.index(name)
+        values, parameters = tangent[: tangent.size - k], tangent[tangent.size - k :]
+        lifted = np.concatenate((values, np.insert(parameters, place, 0.0)))
+        return problem, [moved, lifted], moved.size - len(problem.discretization.free) + place
 
     def embed(self, block: Block, centre: Centre, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
         """The problem in whose space the perturbations of a block live, and vectors moved into it.

@@ -14,6 +14,7 @@ from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, Spe
 from pearlbvp.continuation.path import PathOptions
 from pearlbvp.continuation.storage import read_branch, write_branch
 from pearlbvp.continuation.switching import switch, tangent_along
+from pearlbvp.continuation.two_parameters import CurveOnSurface, follow
 from pearlbvp.errors import InputError
 from pearlbvp.files import writable, write_whole
 from pearlbvp.helfrich import Tube, finite, positive
@@ -205,6 +206,35 @@ def varied(
     except np.linalg.LinAlgError:
         raise InputError(f"vary: {vary} turns just at point {index}; start from a point beside it") from None
     return continue_branch(start_point(problem, u, tangent), options)
+
+
+def followed(
+    branch: Branch[PearlProblem], kind: str, number: int, vary: str, options: BranchOptions, *, upwards: bool = True
+) -> Branch[CurveOnSurface]:
+    """The curve of a fold or a branch point of a branch while ``c0`` or the length varies.
+
+    Args:
+        branch: a branch of pearls.
+        kind: ``bp``, or ``fold:NAME`` of a column.
+        number: which of them (the first is 1).
+        vary: ``c0`` or ``L``.
+        options: where to stop and how to step. Turning points of ``c0`` and ``L`` (cusps of a fold) are watched too.
+        upwards: whether ``vary`` is to grow at first.
+
+    Raises:
+        InputError: there is no such special point, or it was not located, or ``vary`` is another name.
+    """
+    names = {"c0": "c0", "L": "length"}
+    if vary not in names:
+        raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L")
+    found = branch.find(kind)
+    if not 1 <= number <= len(found):
+        raise InputError(
+            f"follow: the branch has {len(found)} special points {kind}, so there is none of number {number}"
+        )
+    if not found[number - 1].converged:
+        raise InputError(f"follow: {kind} number {number} was not located; follow the branch in shorter steps")
+    return follow(branch, found[number - 1], names[vary], replace(options, folds=(vary, "v")), upwards=upwards)
 
 
 def switched(

@@ -1,0 +1,229 @@
+"""Curves of folds and of branch points in two parameters.
+
+With one more parameter free, solutions form a surface. A scalar condition picks a curve on it: that an observable turns
+along the curves of fixed second parameter (a fold), or that a growth rate is zero (a branch point). Newton's method needs
+the condition's derivative in the surface's two directions and in that of the residual only, which central differences
+give (compare the minimally augmented systems of W. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria
+(SIAM 2000), chapter 4). Where the second parameter turns along a curve of folds there is a cusp, of branch points a place
+where two of them meet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from pearlbvp.continuation.branch import Branch, BranchOptions, SpecialPoint, continue_branch, start_point
+from pearlbvp.continuation.problem import Array
+from pearlbvp.continuation.switching import tangent_along
+
+_EPS = 1e-5
+
+
+class Condition(Protocol):
+    """A scalar function on the surface of solutions."""
+
+    def neutral_block(self, surface: CurveOnSurface) -> Any:
+        """The symmetry block in which a growth rate is zero all along the curve."""
+
+    def __call__(self, surface: CurveOnSurface, u: Array) -> float:
+        """Its value at a solution."""
+
+
+@dataclass(frozen=True)
+class FoldCondition:
+    """An observable turns along the curve of fixed second parameter.
+
+    Attributes:
+        name: the observable.
+    """
+
+    name: str
+
+    def neutral_block(self, surface: CurveOnSurface) -> Any:
+        """The problem's own, where what turns is what perturbations keep."""
+        return surface.base.own_block
+
+    def __call__(self, surface: CurveOnSurface, u: Array) -> float:
+        """Derivative of the observable along that curve."""
+        tangent = surface.curve_tangent(u)
+        ahead = surface.base.observables(u + _EPS * tangent)[self.name]
+        behind = surface.base.observables(u - _EPS * tangent)[self.name]
+        return float((ahead - behind) / (2 * _EPS))
+
+
+@dataclass(frozen=True)
+class NeutralCondition:
+    """A growth rate is zero.
+
+    Attributes:
+        block: its symmetry block.
+        like: a spectrum that says how finely to resolve it.
+    """
+
+    block: Any
+    like: Any
+
+    def neutral_block(self, surface: CurveOnSurface) -> Any:
+        """That of the growth rate."""
+        return self.block
+
+    def __call__(self, surface: CurveOnSurface, u: Array) -> float:
+        """The growth rate of the block that is nearest to zero."""
+        rates = surface.base.block_rates(u, self.block, self.like)
+        return float(rates[np.abs(rates).argmin()])
+
+
+@dataclass(frozen=True)
+class CurveOnSurface:
+    """The problem of a curve on a surface of solutions, as ``continuation`` takes it.
+
+    Attributes:
+        base: the problem with both parameters free: two unknowns more than equations.
+        fixed: unit vector of the second parameter among the unknowns.
+        reference: a tangent of the curve of fixed second parameter.
+        condition: what holds on the curve.
+    """
+
+    base: Any
+    fixed: Array
+    reference: Array
+    condition: Condition
+
+    def curve_tangent(self, u: Array) -> Array:
+        """Tangent, with inner product 1 with the reference, of the curve of fixed second parameter through ``u``."""
+        rhs = np.zeros(u.size)
+        rhs[-2] = 1.0
+        tangent: Array = self.base.solve(u, rhs, np.vstack((self.reference, self.fixed)))
+        return tangent
+
+    def residual(self, u: Array) -> Array:
+        """The base's equations and the condition."""
+        return np.append(self.base.residual(u), self.condition(self, u))
+
+    def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
+        """Bordered solve; see ``Problem.solve``."""
+        columns = rhs.reshape(u.size, -1)
+        sides = columns.shape[1]
+        wide = np.zeros((u.size, sides + 2))
+        wide[:-2, :sides] = columns[:-2]
+        wide[-2, sides] = wide[-1, sides + 1] = 1.0
+        found = self.base.solve(u, wide, np.vstack((self.reference, self.fixed)))
+        particular, basis = found[:, :sides], found[:, sides:]
+        # Two conditions on the two coordinates in the surface's tangent plane.
+        matrix = np.array([[self._slope(u, z) for z in basis.T], [self.inner(row, z) for z in basis.T]])  # type: ignore[arg-type]
+        known = np.array(
+            [
+                columns[-2] - [self._slope(u, x) for x in particular.T],
+                columns[-1] - [self.inner(row, x) for x in particular.T],  # type: ignore[arg-type]
+            ]
+        )
+        result: Array = particular + basis @ np.linalg.solve(matrix, known)
+        return result.reshape(rhs.shape)
+
+    def _slope(self, u: Array, direction: Array) -> float:
+        """Derivative of the condition in a direction."""
+        size = np.sqrt(self.inner(direction, direction))
+        if size == 0:
+            return 0.0
+        step = 1e-4 / size
+        return (self.condition(self, u + step * direction) - self.condition(self, u - step * direction)) / (2 * step)
+
+    def inner(self, u: Array, v: Array) -> float:
+        """That of the base."""
+        return float(self.base.inner(u, v))
+
+    def observables(self, u: Array) -> dict[str, float]:
+        """Those of the base."""
+        observed: dict[str, float] = self.base.observables(u)
+        return observed
+
+    def adopt(self, other: CurveOnSurface, u: Array) -> Array:
+        """That of the base."""
+        moved: Array = self.base.adopt(other.base, u)
+        return moved
+
+    def remesh(self, u: Array, *others: Array) -> tuple[CurveOnSurface, list[Array]] | None:
+        """A fitted mesh for the base, and a reference tangent from here."""
+        tangent = self.curve_tangent(u)
+        tangent = tangent / np.sqrt(self.inner(tangent, tangent))
+        moved = self.base.remesh(u, tangent, *others)
+        if moved is None:
+            if abs(self.inner(tangent, self.reference)) > 0.9:
+                return None
+            return replace(self, reference=tangent), [u, *others]
+        base, (u, tangent, *others_moved) = moved
+        fixed = np.zeros(u.size)
+        # Parameters stand last in every unknown, in the same order.
+        place = self.fixed.size - int(np.flatnonzero(self.fixed)[0])
+        fixed[fixed.size - place] = 1.0
+        return replace(self, base=base, fixed=fixed, reference=tangent), [u, *others_moved]
+
+    @property
+    def own_block(self) -> Hashable:
+        """That of the base."""
+        block: Hashable = self.base.own_block
+        return block
+
+    @property
+    def conserved(self) -> str:
+        """That of the base."""
+        return str(self.base.conserved)
+
+    def poles(self, u: Array) -> Mapping[str, float]:
+        """Those of the base."""
+        poles: Mapping[str, float] = self.base.poles(u)
+        return poles
+
+    def spectrum(self, u: Array) -> Any:
+        """That of the base, without the rate that is zero by the condition: its sign would be that of rounding."""
+        found = self.base.spectrum(u)
+        block = self.condition.neutral_block(self)
+        rates = found.rates[block]
+        return replace(found, rates=found.rates | {block: np.delete(rates, np.abs(rates).argmin())})
+
+    def block_rates(self, u: Array, block: Any, like: Any) -> Array:
+        """Those of the base, without the rate that is zero by the condition."""
+        rates: Array = self.base.block_rates(u, block, like)
+        if block == self.condition.neutral_block(self):
+            rates = np.delete(rates, np.abs(rates).argmin())
+        return rates
+
+
+def follow(
+    branch: Branch[Any],
+    special: SpecialPoint[Any],
+    second: str,
+    options: BranchOptions,
+    *,
+    upwards: bool = True,
+) -> Branch[CurveOnSurface]:
+    """Follow a fold or a branch point of a branch while a second parameter varies.
+
+    Args:
+        branch: a branch.
+        special: one of its special points, a ``fold:NAME`` or a ``bp``.
+        second: the parameter to vary, as the problem's ``with_second`` takes it.
+        options: where to stop and what to watch; turning points of ``second`` are cusps of a fold.
+        upwards: whether the second parameter is to grow at first.
+
+    Raises:
+        ValueError: the special point is neither, or was not located.
+    """
+    if not special.converged or not (special.kind == "bp" or special.kind.startswith("fold:")):
+        raise ValueError(f"special: {special.kind} at point {special.index} is no located fold or branch point")
+    entry = branch.at(special)
+    base, (u, tangent), place = entry.point.problem.with_second(second, entry.point.u, entry.point.tangent)
+    fixed = np.zeros(u.size)
+    fixed[place] = 1.0
+    condition: Condition
+    if special.kind == "bp":
+        condition = NeutralCondition(special.block, entry.spectrum)
+    else:
+        condition = FoldCondition(special.kind.removeprefix("fold:"))
+    curve = CurveOnSurface(base, fixed, tangent / np.sqrt(base.inner(tangent, tangent)), condition)
+    direction = tangent_along(curve, u, fixed if upwards else -fixed)
+    return continue_branch(start_point(curve, u, direction), options)
