@@ -21,6 +21,7 @@ from pearlbvp.stability.spectrum import Block, Spectrum
 from pearlbvp.studies.branch import (
     COLUMNS,
     branch_options,
+    followed,
     load,
     pearl_branch,
     resumed,
@@ -153,7 +154,7 @@ def test_c0_0_is_stable_far_beyond_the_paper():
 
 
 def test_m_1_on_l_15_is_unstable_throughout():
-    table = pearl_branch(0.48, 15, 1, branch_options({"v": 1.2})).table()
+    table = pearl_branch(0.48, 15, 1, branch_options({"v": 1.1})).table()
     assert table.lambda2.iloc[0] == pytest.approx(-0.4208, abs=5e-5)
     assert (table.n_unstable.iloc[1:] > 0).all()
 
@@ -365,3 +366,59 @@ def test_through_a_surface_of_constant_mean_curvature():
     assert after["lambda1"] < 0 < branch.points[special.index - 1].observables["lambda1"]
     assert after["E"] == pytest.approx(entry.observables["E"], abs=1e-3)
     assert "n = 12" in branch.reason  # under large compression all short waves grow
+
+
+def test_a_fold_followed_in_c0_is_the_fold_of_the_other_branch():
+    """The first fold in v at c0 = 0.75, followed to c0 = 0.65, is the first fold of the branch at c0 = 0.65."""
+    here = pearl_branch(0.75, 10, 1, branch_options({"v": 0.99}))
+    curve = followed(here, "fold:v", 1, "c0", branch_options({"c0": 0.65}, step=0.02, max_step=0.2), upwards=False)
+    assert curve.complete
+    there = pearl_branch(0.65, 10, 1, branch_options({"v": 0.99}))
+    expected = there.at(there.find("fold:v")[0]).observables
+    found = curve.points[-1].observables
+    for name in ("lambda1", "lambda2", "v", "E", "r_min"):
+        assert found[name] == pytest.approx(expected[name], abs=1e-7)
+
+
+def test_a_branch_point_followed_in_length_stays_one():
+    """Where two pearls of period 7.5 give way (L = 15), followed to L = 14: the localized table of period 7."""
+    here = pearl_branch(0.48, 15, 2, branch_options({"v": 1.01}))
+    curve = followed(here, "bp", 1, "L", branch_options({"L": 14.0}, step=0.05, max_step=0.3), upwards=False)
+    assert curve.complete
+    expected = localized_pearls(0.48, 7.0, 14).iloc[0]
+    found = curve.points[-1].observables
+    for name in ("lambda2", "v", "E"):
+        assert found[name] == pytest.approx(expected[name], abs=1e-8)
+
+
+def test_the_first_fold_leaves_its_branch_where_c0_turns():
+    """c0 = 0.5906: the pearls' branch exchanges its parts with that of two unequal pearls, and c0 turns on the fold's curve."""
+    here = pearl_branch(0.6, 10, 1, branch_options({"v": 0.99}))
+    curve = followed(here, "fold:v", 1, "c0", branch_options(max_points=22, step=0.01, max_step=0.05), upwards=False)
+    turn = curve.at(curve.find("fold:c0")[0]).observables
+    assert turn["c0"] == pytest.approx(0.59064, abs=5e-5)
+    # Just above, the branch still has its fold; just below it leads to the unequal pearls, stable ones.
+    above = pearl_branch(0.5907, 10, 1, branch_options({"v": 0.99}))
+    below = pearl_branch(0.5905, 10, 1, branch_options({"v": 1.02}))
+    assert len(above.find("fold:v")) == 1
+    assert (above.table().n_unstable > 0).all()
+    assert below.table().n_unstable.iloc[-1] == 0
+
+
+@pytest.mark.parametrize(
+    ("kind", "number", "vary", "name"),
+    [("bp", 9, "c0", "follow"), ("fold:v", 1, "c0", "follow"), ("bp", 1, "v", "vary")],
+)
+def test_nothing_to_follow(four, kind, number, vary, name):
+    with pytest.raises(InputError, match=f"^{name}: "):
+        followed(four, kind, number, vary, branch_options())
+
+
+@pytest.mark.parametrize("max_step", [0.05, 0.1, 0.3, 0.5])
+@pytest.mark.parametrize("step", [0.01, 0.05])
+def test_no_step_jumps_to_another_branch(step, max_step):
+    """At c0 = 0.592 the branches of equal and of unequal pearls pass each other at a distance of 1e-2."""
+    branch = pearl_branch(0.592, 10, 1, branch_options({"v": 0.99}, step=step, max_step=max_step))
+    assert branch.complete
+    (fold,) = branch.find("fold:v")
+    assert branch.at(fold).observables["v"] == pytest.approx(1.0034530, abs=1e-7)
