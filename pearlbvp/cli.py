@@ -216,10 +216,19 @@ def localized(
 @cli.command(epilog="Example:  pearlbvp period --c0 0.48 --lengths 7.5:120:0.5 --out p.csv --plot p.png")
 @click.option("--c0", type=Numbers(), required=True, help="Spontaneous curvature, one or several.")
 @click.option("--lengths", type=Numbers(), required=True, help="Tube lengths.")
+@click.option(
+    "--volume", type=Number(), help="Find the number of equal pearls of least energy at this reduced volume, too."
+)
 @click.option("--processes", type=click.IntRange(min=1), help="How many to use.  [default: one a core]")
 @_outputs
 def period(
-    c0: list[float], lengths: list[float], processes: int | None, out: Path | None, plot: Path | None, radius: float
+    c0: list[float],
+    lengths: list[float],
+    volume: float | None,
+    processes: int | None,
+    out: Path | None,
+    plot: Path | None,
+    radius: float,
 ) -> int:
     """The pearl period that appears on a tube, its stable range, and where a localized pearl takes over.
 
@@ -231,7 +240,9 @@ def period(
 
     out, plot = _check_outputs(out, plot)
     scaled = [[Tube.from_dimensional(value, length, radius) for length in lengths] for value in c0]
-    table = pearl_periods([tubes[0].c0 for tubes in scaled], [tube.length for tube in scaled[0]], processes=processes)
+    table = pearl_periods(
+        [tubes[0].c0 for tubes in scaled], [tube.length for tube in scaled[0]], v=volume, processes=processes
+    )
     table = in_units_of_radius(table, radius)
 
     def draw() -> Figure:
@@ -241,6 +252,36 @@ def period(
 
     status = _write(table, out, plot, draw)
     return INTERRUPTED if len(table) < len(c0) * len(lengths) else status
+
+
+@cli.command(epilog="Example:  pearlbvp region --c0 0.48 --periods 6.6:10:0.1 --pearls 2,4,8 --out r.csv --plot r.png")
+@click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
+@click.option("--periods", type=Numbers(), required=True, help="Axial periods of one pearl, above 2 pi.")
+@click.option(
+    "--pearls", type=Numbers(), default="2,3,4,6,8,16", show_default=True, help="Numbers of pearls on the tube."
+)
+@_outputs
+def region(
+    c0: float, periods: list[float], pearls: list[float], out: Path | None, plot: Path | None, radius: float
+) -> int:
+    """Where periodic pearls are stable, in the plane of period and volume.
+
+    Columns: those of `localized`, a row for each period and number of pearls. Where status is found, the pearls
+    are stable from v = 1 to the v of the row.
+    """
+    from pearlbvp.helfrich import Tube, in_units_of_radius
+    from pearlbvp.studies.region import stability_region
+
+    out, plot = _check_outputs(out, plot)
+    tubes = [Tube.from_dimensional(c0, period, radius) for period in periods]
+    table = in_units_of_radius(stability_region(tubes[0].c0, [tube.length for tube in tubes], pearls), radius)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.region import draw_region
+
+        return draw_region(table)
+
+    return _write(table, out, plot, draw)
 
 
 class Until(click.ParamType):

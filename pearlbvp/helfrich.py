@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 # Power of the length unit in each quantity: a tube of radius r has k/r, lambda2/r^3, length r*L, ...
 LENGTH_POWER = {
     "c0": -1, "period": 1, "L": 1, "k": -1, "lambda1": -2, "lambda2": -3, "lambda2_pearl": -3, "lambda2_upper": -3,
-    "E": -2, "amplitude": 1, "r_min": 1, "r_max": 1,
+    "E": -2, "E_least_energy": -2, "amplitude": 1, "r_min": 1, "r_max": 1,
 }  # fmt: skip
 
 LARGEST_C0, SHORTEST, LONGEST = 1e4, 1e-4, 1e8

@@ -59,7 +59,7 @@ def test_an_interrupted_scan_keeps_its_rows(monkeypatch, capsys):
     from pearlbvp.studies import period
 
     def interrupted(cases, processes):
-        yield period.pearl_period(*cases[0])
+        yield period.pearl_period(*cases[0][:2])
         raise KeyboardInterrupt
 
     monkeypatch.setattr(period, "scan", interrupted)

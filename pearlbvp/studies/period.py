@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterable, Iterator
 
 import numpy as np
 import pandas as pd
 
+from pearlbvp.continuation import PathOptions, Point, follow
 from pearlbvp.continuation.chebyshev import Unresolved
+from pearlbvp.continuation.path import PathEnd
+from pearlbvp.continuation.segment import Segment
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube
+from pearlbvp.helfrich import Tube, positive
 from pearlbvp.numbers import as_numbers
-from pearlbvp.studies.localized import PeriodicPearls
+from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
+from pearlbvp.studies.localized import THINNEST_NECK, PeriodicPearls
 from pearlbvp.theory.dispersion import stable_interval
 
 COLUMNS = ["c0", "L", "pearls", "period", "k", "status", "lambda2_pearl", "lambda2_upper", "upper_mode",
@@ -46,8 +51,52 @@ def pearl_period(c0: float, length: float) -> dict[str, object]:
     return row | {"v_localized": found.get("v"), "localized_status": found["status"], "message": found["message"]}
 
 
-def scan(cases: list[tuple[float, float]], processes: int | None = None) -> Iterator[dict[str, object]]:
-    """Rows of ``pearl_period`` for cases ``(c0, length)``, in order, each as soon as it and those before it are done.
+def least_energy(c0: float, length: float, v: float) -> dict[str, object]:
+    """The number of equal pearls of least energy at a reduced volume, among all numbers with ``k < 1``.
+
+    Each number's branch is followed from the cylinder to ``v``; those that do not reach it are left out. Localized and
+    unequal pearls are not among them.
+
+    Returns:
+        ``v, pearls_least_energy, E_least_energy``; the last two empty where no branch reaches that volume.
+    """
+    tube = Tube(c0, length)
+    energies: dict[int, float] = {}
+    for m in range(1, math.ceil(length / (2 * math.pi))):
+        if tube.wave_number(m) < 1:
+            energy = _energy_at(tube, m, v)
+            if energy is not None:
+                energies[m] = energy
+    best = min(energies, key=lambda m: energies[m], default=None)
+    return {"v": v, "pearls_least_energy": best, "E_least_energy": None if best is None else energies[best]}
+
+
+def _energy_at(tube: Tube, m: int, v: float) -> float | None:
+    """``E/A`` of ``m`` equal pearls at reduced volume ``v``, where their branch first reaches it."""
+    problem, u, tangent = pearling_onset(tube, m)
+
+    def stop(point: Point[PearlProblem]) -> str | None:
+        observed = point.observables
+        return "there" if (observed["v"] - v) * (1 - v) <= 0 else "neck" if observed["r_min"] < THINNEST_NECK else None
+
+    path = follow(Point(problem, u, tangent, problem.observables(u)), PathOptions(max_step=1.0), stop)
+    if path.reason != "there" or len(path.points) < 2:
+        return None
+    before, after = path.points[-2:]
+    differences = before.observables["v"] - v, after.observables["v"] - v
+    try:
+        return Segment(before, after).root(lambda point: point.observables["v"] - v, *differences).observables["E"]
+    except PathEnd:
+        return None
+
+
+def _row(c0: float, length: float, v: float | None) -> dict[str, object]:
+    row = pearl_period(c0, length)
+    return row if v is None else row | least_energy(c0, length, v)
+
+
+def scan(cases: list[tuple[float, float, float | None]], processes: int | None = None) -> Iterator[dict[str, object]]:
+    """Rows for cases ``(c0, length, v)``, in order, each as soon as it and those before it are done.
 
     Args:
         cases: what to compute.
@@ -56,18 +105,19 @@ def scan(cases: list[tuple[float, float]], processes: int | None = None) -> Iter
     """
     if processes == 1 or (len(cases) < _FEWEST_FOR_PROCESSES and processes is None):
         for case in cases:
-            yield pearl_period(*case)
+            yield _row(*case)
         return
     from joblib import Parallel, delayed, parallel_config  # a fifth of a second to import, and only scans need it
 
     with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1):
-        yield from Parallel(return_as="generator", batch_size=4)(delayed(pearl_period)(*case) for case in cases)
+        yield from Parallel(return_as="generator", batch_size=4)(delayed(_row)(*case) for case in cases)
 
 
 def pearl_periods(
     c0: float | str | Iterable[float],
     lengths: float | str | Iterable[float],
     *,
+    v: float | None = None,
     processes: int | None = None,
     progress: bool | None = None,
 ) -> pd.DataFrame:
@@ -76,13 +126,14 @@ def pearl_periods(
     Args:
         c0: spontaneous curvature: a number, several, or a text like ``0.3,0.48``.
         lengths: tube lengths in radii, likewise (``7.5:120:0.5``).
+        v: a reduced volume, to find the number of equal pearls of least energy at it, too; not 1.
         processes: how many to use (``None``: as many as help).
         progress: show a bar on standard error (``None``: if that is a terminal).
 
     Returns:
         A row a ``(c0, L)``: ``c0, L, pearls, period, k, status, lambda2_pearl, lambda2_upper, upper_mode, v_localized,
-        localized_status, message``. The tube is stable for ``lambda2_pearl < lambda2 < lambda2_upper``. An interrupted
-        scan returns the rows that are done.
+        localized_status, message``; with ``v`` also ``v, pearls_least_energy, E_least_energy``. The straight tube is
+        stable for ``lambda2_pearl < lambda2 < lambda2_upper``. An interrupted scan returns the rows that are done.
 
     Raises:
         InputError: an argument that cannot be used.
@@ -90,7 +141,9 @@ def pearl_periods(
     from tqdm import tqdm  # a tenth of a second to import, and only scans need it
 
     lengths = as_numbers("lengths", lengths)
-    cases = [(value, Tube(value, length).length) for value in as_numbers("c0", c0) for length in lengths]
+    if v is not None and positive("v", v) == 1:
+        raise InputError("v: at v = 1 all pearls are the cylinder; give a volume above or below")
+    cases = [(value, Tube(value, length).length, v) for value in as_numbers("c0", c0) for length in lengths]
     if processes is not None and (not isinstance(processes, int) or processes < 1):
         raise InputError(f"processes: {processes!r} must be a whole number, 1 or more")
     rows: list[dict[str, object]] = []
@@ -102,5 +155,6 @@ def pearl_periods(
                 bar.update()
         except KeyboardInterrupt:
             print(f"interrupted: {len(rows)} of {len(cases)} rows are done and kept", file=sys.stderr)
-    table = pd.DataFrame(rows, columns=COLUMNS)
-    return table.astype({"pearls": "Int64"})
+    extra = [] if v is None else ["v", "pearls_least_energy", "E_least_energy"]
+    table = pd.DataFrame(rows, columns=COLUMNS + extra)
+    return table.astype({name: "Int64" for name in ("pearls", "pearls_least_energy") if name in table})

@@ -1,0 +1,26 @@
+"""Picture of the pearls' stability region."""
+
+from __future__ import annotations
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+
+
+def draw_region(table: pd.DataFrame) -> Figure:
+    """The largest stable volume over the period, one line for each number of pearls; stable below."""
+    figure, axes = new_figure()
+    found = table[table["status"] == "found"]
+    for i, (pearls, rows) in enumerate(found.groupby("pearls")):
+        colour = COLOURS[i % len(COLOURS)]
+        rows = rows.sort_values("period")
+        axes.plot(rows["period"], rows["v"], ".-", color=colour, markersize=4, label=f"{pearls} pearls")
+        axes.fill_between(rows["period"].to_numpy(float), 1.0, rows["v"].to_numpy(float), color=colour, alpha=0.08)
+    dress(
+        axes, "period of the pearls (radii)", "reduced volume v", f"c0 = {table['c0'].iloc[0]:g}: pearls stable below"
+    )
+    axes.ticklabel_format(useOffset=False)
+    if not found.empty:
+        axes.legend(frameon=False)
+    return figure
