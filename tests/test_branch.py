@@ -423,3 +423,27 @@ def test_no_step_jumps_to_another_branch(step, max_step):
     assert branch.complete
     (fold,) = branch.find("fold:v")
     assert branch.at(fold).observables["v"] == pytest.approx(1.0034530, abs=1e-7)
+
+
+def test_a_branch_without_planes_of_reflection():
+    """Where a wave that is odd about the belly becomes neutral, shapes without reflection symmetry branch off: the full cell."""
+    symmetric = pearl_branch(0.5905, 10, 1, branch_options({"v": 1.005}))
+    (special,) = symmetric.find("bp")
+    assert str(special.block) == "n=0 j=0/1 odd"
+    skew = switched(symmetric, 1, branch_options(max_points=12))
+    problem, u = skew.points[4].point.problem, skew.points[4].point.u
+    assert not problem.half
+    parameters = dict(
+        zip(problem.discretization.problem.parameters, problem.discretization.all_parameters(u), strict=True)
+    )
+    assert abs(parameters["drag"]) < 1e-10
+    assert problem.axial_force_spread(u) < 1e-9
+    # No reflection: the profile read backwards is another one, wherever it starts.
+    x, r = problem.profile(u).outline()
+    even = np.interp(np.linspace(0, 10, 400, endpoint=False), x, r)
+    shifts = [np.abs(np.roll(even[::-1], k) - even).max() for k in range(400)]
+    assert min(shifts) > 1e-3
+    # -2 d(E/A)/dv = lambda2 holds for it, too.
+    one, two = skew.points[3].observables, skew.points[5].observables
+    mean = (one["lambda2"] + two["lambda2"]) / 2
+    assert -2 * (two["E"] - one["E"]) / (two["v"] - one["v"]) == pytest.approx(mean, rel=1e-4)
