@@ -340,7 +340,7 @@ class ModeNumbers(click.ParamType):
 @click.option(
     "--max-points", type=click.IntRange(min=2), default=200, show_default=True, help="End after so many more."
 )
-@click.option("--step", type=Number(), default=0.1, show_default=True, help="First step along the branch.")
+@click.option("--step", type=Number(), help="First step along the branch.  [default: 0.1, or the largest]")
 @click.option("--max-step", type=Number(), default=0.5, show_default=True, help="Largest step along the branch.")
 @click.option("--tolerance", type=Number(), default=1e-9, show_default=True, help="Error of the profile.")
 @click.option("--pressure", is_flag=True, help="Stability at fixed area and given pressure, not fixed volume.")
@@ -367,7 +367,7 @@ def branch(
     cells: int,
     until: tuple[tuple[str, float], ...],
     max_points: int,
-    step: float,
+    step: float | None,
     max_step: float,
     tolerance: float,
     pressure: bool,
@@ -386,9 +386,9 @@ def branch(
 ) -> int:
     """Follow a branch of shapes, with its special points and the stability of every point.
 
-    Columns: point, special (start, bp, fold:NAME, stop, end), lambda1, lambda2, v, E, amplitude, r_min, r_max,
-    n_unstable, mu_crit (largest growth rate over all perturbations that fit the tube), critical (its n, and
-    its wave number j per periods on the tube).
+    Columns: point, special (start, bp, fold:NAME, cmc, stop, end), lambda1, lambda2, v, E, amplitude, r_min,
+    r_max, n_unstable, mu_crit (largest growth rate over all perturbations that fit the tube), critical (its n,
+    and its wave number j per periods on the tube), c0, L.
     """
     from pearlbvp.files import writable
     from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius
@@ -405,6 +405,14 @@ def branch(
         raise InputError("--switch, --vary: choose one of them")
     if (shape is None) != (volume is None) or (shape is not None and resume is not None):
         raise InputError("--shape, --volume: give both, with --c0 and --length and without --resume")
+    given = _given(click.get_current_context())
+    for needed, options_of_it in _BRANCH_OPTIONS.items():
+        unused = sorted(given & options_of_it)
+        if needed not in given and unused:
+            raise InputError(f"--{unused[0]}: it goes with --{needed}; give that too, or leave it out")
+    unused = sorted(given & {"mode", "tolerance", "pressure"})
+    if resume is not None and unused:
+        raise InputError(f"--{unused[0]}: the saved branch has its own; leave it out")
     if mode[1] != 0:
         raise InputError(f"--mode: pearls have n = 0, so {mode[0]},{mode[1]} is none of them; give {max(mode[0], 1)},0")
     from tqdm import tqdm
@@ -426,7 +434,7 @@ def branch(
             tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
             scaled = [amplitude / radius for amplitude in shape]
             found = study.shape_branch(
-                tube.c0, tube.length, volume or 0, scaled, options, tolerance=tolerance, fixed=fixed
+                tube.c0, tube.length, volume or 0, scaled, options, cells=cells, tolerance=tolerance, fixed=fixed
             )
         elif resume is None:
             tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
@@ -452,6 +460,20 @@ def branch(
     if found.reason == "interrupted":
         return INTERRUPTED
     return SOME_FAILED if wanted and not found.complete else DONE
+
+
+_BRANCH_OPTIONS = {
+    "vary": {"keep", "point", "down"},
+    "switch": {"centre", "shrink"},
+    "shape": {"cells"},
+}
+"""Options of ``branch`` that say nothing without another."""
+
+
+def _given(context: click.Context) -> set[str]:
+    """Names of the options that stand on the command line."""
+    source = click.core.ParameterSource.COMMANDLINE
+    return {name for name in context.params if context.get_parameter_source(name) == source}
 
 
 class _Checkpoint:
@@ -500,6 +522,11 @@ def _run(arguments: list[str] | None) -> int:
         print(f"pearlbvp: {error}", file=sys.stderr)
         return UNUSABLE
     except (click.Abort, KeyboardInterrupt):
+        print("pearlbvp: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except SystemError as error:  # what an interruption inside compiled code turns into
+        if not isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+            raise
         print("pearlbvp: interrupted", file=sys.stderr)
         return INTERRUPTED
 

@@ -56,7 +56,7 @@ def positive(name: str, value: float) -> float:
     """
     number = finite(name, value)
     if number <= 0:
-        raise InputError(f"{name}: {value!r} must be positive; lengths are measured in radii of the tube")
+        raise InputError(f"{name}: {value!r} must be positive; give a number above 0")
     return number
 
 

@@ -311,17 +311,17 @@ def test_two_unequal_pearls_are_stable_and_begin_at_a_pitchfork(unequal):
     assert (stable.n_unstable == 0).all()
     start = table[table.v.sub(1.0).abs() < 1e-12].iloc[0]
     assert start.r_max == pytest.approx(1.532363, abs=1e-6)
-    # Where it begins, the two pearls are equal: every observable turns at the same point.
-    beginning = table[table.special.str.contains("fold:v")].iloc[0]
+    # Where it begins, the two pearls are equal, and the branch ends there: beyond, it would repeat itself mirrored.
+    beginning = table[table.special.str.contains("bp")].iloc[0]
     assert beginning.v == pytest.approx(0.9747043, abs=1e-7)
-    profile = unequal.at(unequal.find("fold:v")[0]).point
+    profile = unequal.at(unequal.find("bp")[0]).point
     values = profile.problem.discretization.values(profile.u)
     assert values[0, 0] == pytest.approx(values[-1, 0], abs=1e-4)
 
 
 def test_the_unequal_pearls_branch_from_pearls_of_half_the_period(unequal):
     """Two equal pearls of period 5 lose stability to a wave of two cells just there, on a branch that is stable before."""
-    beginning = unequal.at(unequal.find("fold:v")[0]).observables
+    beginning = unequal.at(unequal.find("bp")[0]).observables
     equal = shape_branch(0.75, 5, 0.9741, [0.51, -0.11, 0.03], branch_options({"v": 0.976}, max_points=12), cells=2)
     table = equal.table()
     alternating = [equal.at(s).observables for s in equal.find("bp") if str(s.block) == "n=0 j=1/2 even"]
@@ -333,9 +333,9 @@ def test_the_unequal_pearls_branch_from_pearls_of_half_the_period(unequal):
 
 
 def test_a_shape_that_leads_nowhere_is_said():
-    with pytest.raises(InputError, match="^cosines: "):
+    with pytest.raises(InputError, match="^shape: "):
         shape_branch(0.0, 10, 5.0, [0.1])
-    with pytest.raises(InputError, match="^v: "):
+    with pytest.raises(InputError, match="^volume: "):
         shape_branch(0.0, 10, -1.0, [0.1])
 
 
@@ -447,3 +447,63 @@ def test_a_branch_without_planes_of_reflection():
     one, two = skew.points[3].observables, skew.points[5].observables
     mean = (one["lambda2"] + two["lambda2"]) / 2
     assert -2 * (two["E"] - one["E"]) / (two["v"] - one["v"]) == pytest.approx(mean, rel=1e-4)
+
+
+def test_turning_points_of_c0_are_folds_and_no_branch_points():
+    here = pearl_branch(0.75, 10, 1, branch_options({"lambda2": -1.0}))
+    moved = varied(here, -1, "c0", branch_options(max_points=40), upwards=False)
+    (fold,) = moved.find("fold:c0")
+    assert moved.at(fold).observables["c0"] == pytest.approx(0.5843949, abs=1e-7)
+    # It runs into a branch of more symmetric shapes and ends there.
+    assert moved.kinds(len(moved.points) - 1) == ["bp", "end"]
+    assert "pitchfork" in moved.reason
+    with pytest.raises(InputError, match="^point: point 0 is the cylinder"):
+        varied(here, 0, "c0", branch_options())
+
+
+def test_at_given_pressure_stability_changes_where_lambda2_turns():
+    options = branch_options({"v": 1.06})
+    pressure = pearl_branch(-0.8, 25, 3, options, fixed="area")
+    volume = pearl_branch(-0.8, 25, 3, options)
+    (fold,) = pressure.find("fold:lambda2")
+    own = Block(0, 0, 3, "even")
+    before, after = (pressure.points[fold.index + i].spectrum.rates[own] for i in (-1, 1))
+    assert abs(int((after > 0).sum()) - int((before > 0).sum())) == 1
+    assert all(special.block != own for special in pressure.find("bp"))
+    # One more constraint takes away at most one unstable direction.
+    difference = pressure.table().n_unstable.iloc[-1] - volume.table().n_unstable.iloc[-1]
+    assert difference in (0, 1)
+
+
+def test_the_pitchfork_leads_back_to_the_equal_pearls(unequal):
+    """Switching where the unequal pearls begin gives the branch of equal pearls, with the volume on it smooth."""
+    equal = switched(unequal, 1, branch_options(max_points=4, step=0.01, max_step=0.02))
+    profile = equal.points[-1].point
+    values = profile.problem.discretization.values(profile.u)
+    assert values[0, 0] == pytest.approx(values[-1, 0], abs=1e-6)
+    assert abs(equal.points[-1].observables["v"] - equal.points[0].observables["v"]) > 1e-6
+
+
+def test_radii_are_those_of_the_function_and_not_of_the_mesh(unequal):
+    for entry in unequal.points[1:]:
+        states = entry.point.problem.profile(entry.point.u).states
+        dense = states(np.linspace(0, 1, 20001))[:, 0]
+        assert entry.observables["r_min"] == pytest.approx(dense.min(), abs=1e-7)
+        assert entry.observables["r_max"] == pytest.approx(dense.max(), abs=1e-7)
+
+
+def test_checkpoints_of_a_resumed_branch_hold_all_of_it(four):
+    lengths = []
+    resumed(four, branch_options({"v": 1.03}, progress=lambda so_far: lengths.append(len(so_far.points))))
+    assert lengths
+    assert min(lengths) > len(four.points)
+
+
+def test_folds_that_belong_together_are_one_point():
+    """``dE = -lambda2/2 dv``: energy and volume turn together, whatever the steps."""
+    for max_step in (0.05, 0.5):
+        branch = pearl_branch(0.75, 10, 1, branch_options({"lambda2": -4.0}, max_step=max_step))
+        for special in branch.find("fold:v"):
+            assert {"fold:v", "fold:E"} <= set(branch.kinds(special.index))
+        last = branch.at(branch.find("fold:v")[-1]).observables
+        assert last["lambda2"] == pytest.approx(-3.7122828, abs=5e-7)

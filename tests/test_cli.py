@@ -91,6 +91,34 @@ def test_branch_is_saved_resumed_switched_and_varied(capsys, tmp_path):
     assert pd.read_csv(io.StringIO(out)).c0.iloc[-1] == 0.47
 
 
+def test_cells_of_a_shape_are_those_of_the_tube(capsys):
+    arguments = [
+        "--c0",
+        "0.75",
+        "--length",
+        "10",
+        "--shape=-0.28,0.47",
+        "--volume",
+        "1",
+        "--cells",
+        "2",
+        "--max-points",
+        "3",
+    ]
+    _, out, _ = run(capsys, "branch", "pearl", *arguments)
+    table = pd.read_csv(io.StringIO(out), keep_default_na=False)
+    assert (table.L == 20).all()
+    assert table.critical.str.contains("/2").all()
+
+
+def test_options_that_a_saved_branch_has_already(capsys, tmp_path):
+    saved = str(tmp_path / "b.h5")
+    run(capsys, "branch", "pearl", "--c0", "0", "--length", "10", "--max-points", "3", "--save", saved)
+    for option in (["--pressure"], ["--tolerance", "1e-8"], ["--mode", "2,0"], ["--c0", "0"]):
+        status, _, err = run(capsys, "branch", "pearl", "--resume", saved, *option)
+        assert (status, err.count("\n")) == (2, 1)
+
+
 def test_a_branch_that_does_not_get_there_says_so(capsys):
     status, out, err = run(
         capsys, "branch", "pearl", "--c0", "0", "--length", "10", "--max-points", "4", "--until", "v=2"
@@ -140,6 +168,11 @@ GOOD = {
         ("branch", {"--resume": "nothing.h5"}, "--resume"),
         ("branch", {"--save": "no/such/b.h5"}, "--save"),
         ("branch", {"--step": "0"}, "step"),
+        ("branch", {"--cells": "2"}, "--cells"),
+        ("branch", {"--keep": "v"}, "--keep"),
+        ("branch", {"--centre": "neck"}, "--centre"),
+        ("branch", {"--length": "1e6"}, "length"),
+        ("branch", {"--shape": "0.1"}, "--shape"),
         ("branch", {"--tolerance": "1"}, "tolerance"),
         ("period", {"--lengths": "nan"}, "--lengths"),
         ("period", {"--lengths": "0"}, "length"),

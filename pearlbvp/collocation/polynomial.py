@@ -86,6 +86,23 @@ def local_values(values: Array, m: int) -> Array:
     return np.concatenate((inner, ends), axis=1)
 
 
+def extremes(polynomial: PiecewisePolynomial, component: int) -> tuple[float, float]:
+    """Smallest and largest value of a component: of the function, not only at its points."""
+    values, m = polynomial.values[:, component], polynomial.scheme.m
+    found = []
+    for sign, place in ((1.0, int(values.argmin())), (-1.0, int(values.argmax()))):
+        best = sign * values[place]
+        for interval in {max(place - 1, 0) // m, min(place, len(values) - 2) // m}:
+            local = values[interval * m : (interval + 1) * m + 1]
+            if 0 < place < len(values) - 1:
+                series = np.polynomial.Polynomial.fit(polynomial.scheme.points, local, m, domain=[0, 1])
+                turns = series.deriv().roots()
+                inside = turns.real[(np.abs(turns.imag) < 1e-9) & (turns.real > 0) & (turns.real < 1)]
+                best = min([best, *(sign * series(inside))])
+        found.append(sign * float(best))
+    return found[0], found[1]
+
+
 @compiled
 def apply_basis(basis, values):  # type: ignore[no-untyped-def]
     """Apply a matrix (g, m + 1) to the values of every interval: (N*m + 1, n) to (N*g, n)."""

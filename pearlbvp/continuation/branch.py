@@ -12,6 +12,8 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Generic, Protocol
 
+import numpy as np
+
 from pearlbvp.continuation.path import P, Path, PathEnd, PathOptions, Point, steps
 from pearlbvp.continuation.problem import Array, Problem
 from pearlbvp.continuation.segment import Segment
@@ -32,6 +34,10 @@ class Spectrum(Protocol):
         """Dimension of the unstable space."""
 
     @property
+    def complete(self) -> bool:
+        """Whether all unstable perturbations were counted."""
+
+    @property
     def mu_crit(self) -> float:
         """The largest growth rate."""
 
@@ -45,7 +51,10 @@ class StableProblem(Problem, Protocol):
 
     @property
     def conserved(self) -> str:
-        """The observable that perturbations keep and a branch does not: at its turning points ``own_block`` changes."""
+        """The one observable that perturbations keep and the branch does not; empty where there are none or several.
+
+        Where it turns, a growth rate of ``own_block`` changes its sign, and nowhere else on a smooth branch.
+        """
 
     def poles(self, u: Array) -> Mapping[str, float]:
         """Named functions at whose zeros growth rates pass through infinity; those that are regular there."""
@@ -118,18 +127,21 @@ class Branch(Generic[P]):
         return self.points[special.index]
 
     def table(self) -> pd.DataFrame:
-        """A row a point: ``point, special``, the observables, ``n_unstable, mu_crit, critical``."""
+        """A row a point: ``point, special``, the observables, ``n_unstable, mu_crit, critical``.
+
+        ``n_unstable`` is empty where more waves grow than were counted.
+        """
         import pandas as pd
 
         rows = []
         for index, entry in enumerate(self.points):
             stability = {
-                "n_unstable": entry.spectrum.n_unstable,
+                "n_unstable": entry.spectrum.n_unstable if entry.spectrum.complete else None,
                 "mu_crit": entry.spectrum.mu_crit,
                 "critical": str(entry.spectrum.critical),
             }
             rows.append({"point": index, "special": ",".join(self.kinds(index))} | entry.observables | stability)
-        return pd.DataFrame(rows)
+        return pd.DataFrame(rows).astype({"n_unstable": "Int64"})
 
     def reversed(self) -> Branch[P]:
         """The branch from its last point to its first, tangents turned round. Where it ended, it starts: an ``end``."""
@@ -212,6 +224,15 @@ def _crossing_rates(before: Spectrum, after: Spectrum, neutral: float) -> list[t
     return sorted(found, key=lambda crossing: (str(crossing[0]), crossing[1]))
 
 
+def _is_symmetric(turn: _Event[Any], last: BranchPoint[Any]) -> bool:
+    """Whether a growth rate of the solution's own block touches zero at a turning point."""
+    problem: Any = turn.point.problem
+    if problem.own_block not in last.spectrum.rates:
+        return False
+    rates = problem.block_rates(turn.point.u, problem.own_block, last.spectrum)
+    return bool(np.abs(rates).min() < 1e-6)
+
+
 def _wanted(first: BranchPoint[P], last: Point[P], until: Mapping[str, float]) -> _Event[P] | None:
     """The first place between two points where an observable (or ``mu_crit``) has its wanted value."""
     segment = Segment(first.point, last)
@@ -250,7 +271,15 @@ def _events(first: BranchPoint[P], last: BranchPoint[P], folds: Sequence[str], a
     crossings = _crossing_rates(first.spectrum, last.spectrum, 1e-6 if at_start else 0.0)
     if any(block == problem.own_block for block, *_ in crossings):
         segment.refine()
+    own = [crossing for crossing in crossings if crossing[0] == problem.own_block]
+    turn = next((event for event in events if event.kind == f"fold:{problem.conserved}"), None)
+    if turn is not None and turn.converged and not own and _is_symmetric(turn, last):
+        # What turns, turns without a change of stability: the branch passes through a more symmetric solution, and all
+        # observables turn with it. It is a pitchfork, met from its side.
+        return [_Event(turn.s, "bp", turn.point, block=problem.own_block)]
     for block, k, before, after in crossings:
+        if block == problem.own_block and not problem.conserved:
+            continue  # stability changes where the branch neither turns nor meets another
         event = _located(
             segment,
             "bp",
@@ -260,8 +289,7 @@ def _events(first: BranchPoint[P], last: BranchPoint[P], folds: Sequence[str], a
             change=block.multiplicity if after > before else -block.multiplicity,
         )
         # In the problem's own block a rate changes sign where the conserved quantity turns: that is the fold.
-        fold = f"fold:{problem.conserved}"
-        if block == problem.own_block and any(e.kind == fold and abs(e.s - event.s) < 1e-4 for e in events):
+        if block == problem.own_block and turn is not None and abs(turn.s - event.s) < 1e-4:
             continue
         events.append(event)
     return sorted(events, key=lambda event: event.s)
@@ -304,6 +332,11 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
             points += [*new, latest]
             special += found
             options.progress(Branch(points, special, "unfinished", False))
+            if any(event.kind == "bp" and event.change == 0 for event in events):
+                del points[-1]
+                return end(
+                    "it meets a more symmetric branch at a pitchfork; beyond, it would repeat its own mirror images"
+                )
             if wanted is not None:
                 return end("the wanted value is reached", "stop")
             reason = options.limit(latest)
@@ -314,6 +347,10 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
     except PathEnd as failure:
         return end(str(failure))
     except KeyboardInterrupt:
+        return end("interrupted")
+    except SystemError as error:  # what an interruption inside compiled code turns into
+        if not isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+            raise
         return end("interrupted")
 
 

@@ -65,6 +65,11 @@ class Segment(Generic[P]):
                 if not self._nodes or np.abs(problem.residual(guess)).max() > 1e-7:
                     raise PathEnd(f"no solution between two points of the path: {result.message}; take shorter steps")
                 u, direction = guess, tangent
+            else:  # exactly here, not at the last iterate but one
+                unit = np.zeros(u.size)
+                unit[-1] = 1.0
+                with suppress(np.linalg.LinAlgError):
+                    direction = problem.solve(u, unit, tangent)
             direction = direction / math.sqrt(problem.inner(direction, direction))
             self._known[s] = Point(problem, u, direction, problem.observables(u), result.iterations)
         return self._known[s]

@@ -73,8 +73,12 @@ def read_branch(
     except (OSError, KeyError, IndexError, ValueError, TypeError, AttributeError) as error:
         if isinstance(error, InputError):
             raise
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"resume: {path} cannot be read as a saved branch ({reason}); save it again") from None
+        reason = (
+            "it is no HDF5 file, or cut off"
+            if isinstance(error, OSError)
+            else "something is missing or misplaced in it"
+        )
+        raise InputError(f"resume: {path} cannot be read as a saved branch: {reason}; save it again") from None
 
 
 def _read_point(group: Any, problems: list[Any], spectrum_from: Callable[[Mapping[str, Any]], Any]) -> BranchPoint[Any]:

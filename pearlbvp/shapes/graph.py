@@ -80,7 +80,7 @@ def relaxed(tube: Tube, v: float, amplitudes: Array, modes: int = 24) -> tuple[A
     if not found.success or not np.isfinite(radius).all() or radius.min() <= 0:
         return (
             scale * found.x,
-            f"no shape of least energy was reached ({found.message}); try other cosines or another volume",
+            "no shape of least energy was reached; try other cosines or another volume",
         )
     return scale * found.x, ""
 

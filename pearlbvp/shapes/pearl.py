@@ -26,7 +26,7 @@ from pearlbvp.collocation import (
     gauss_scheme,
     intervals_for,
 )
-from pearlbvp.collocation.polynomial import all_points
+from pearlbvp.collocation.polynomial import all_points, extremes
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.helfrich import Tube, cylinder_lambda1
 from pearlbvp.shapes import axisymmetric, tension
@@ -188,15 +188,15 @@ class PearlProblem:
         """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L``; ``E`` is by area, ``L`` the whole tube's."""
         d = self.discretization
         y, p = self.multipliers(d.at_gauss_points(u), d.all_parameters(u))
-        radii = self.discretization.values(u)[:, 0]
+        narrowest, widest = extremes(d.polynomial(u), 0)
         return {
             "lambda1": float(p[1]),
             "lambda2": float(p[2]),
             "v": float(p[5]),
             "E": float(self.discretization.gauss_weights @ axisymmetric.energy_density(y, p)),
-            "amplitude": float(radii.max() - radii.min()) / 2,
-            "r_min": float(radii.min()),
-            "r_max": float(radii.max()),
+            "amplitude": (widest - narrowest) / 2,
+            "r_min": narrowest,
+            "r_max": widest,
             "c0": float(p[3]),
             "L": float(p[4]) * self.cells * (2 if self.half else 1),
         }
@@ -249,8 +249,11 @@ class PearlProblem:
 
     @property
     def conserved(self) -> str:
-        """The volume: perturbations keep it."""
-        return "v"
+        """Of what perturbations keep (``v``, or ``lambda2`` at given pressure, and ``c0``, ``L``), what varies here."""
+        free = self.discretization.free
+        kept = {"v": "v"} if self.fixed == "area and volume" else {"lambda2": "lambda2", "mean": "lambda2"}
+        varying = [name for parameter, name in (kept | {"c0": "c0", "length": "L"}).items() if parameter in free]
+        return varying[0] if len(varying) == 1 else ""
 
     def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit the tube."""

@@ -115,7 +115,7 @@ class Spectrum:
     @property
     def neutral(self) -> float:
         """Growth rates of this size are zero to the accuracy of the spectrum."""
-        return 1e-9 + 10 * self.residual
+        return 1e-8 + 10 * self.residual
 
     @property
     def n_unstable(self) -> int:

@@ -32,6 +32,9 @@ STOPS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L
 THINNEST_NECK = 4e-3
 """Radius of the neck at which a branch ends: beyond, rounding spoils the count of unstable waves."""
 
+LONGEST_PEARL = 1000.0
+"""Longest period of a branch of pearls: its meshes grow with it."""
+
 RESOLVED = 1e-4
 """Error of the growth rates beyond which a branch ends rather than count wrongly."""
 
@@ -40,7 +43,7 @@ def branch_options(
     until: Mapping[str, float] | None = None,
     *,
     max_points: int = 200,
-    step: float = 0.1,
+    step: float | None = None,
     max_step: float = 0.5,
     progress: Callable[[Branch[Any]], None] = lambda branch: None,
 ) -> BranchOptions:
@@ -49,7 +52,7 @@ def branch_options(
     Args:
         until: column and value at which to stop exactly; several may be given, the first reached counts.
         max_points: end after so many.
-        step, max_step: first and largest step, in the norm of profile and parameters.
+        step, max_step: first (by default 0.1 or ``max_step``) and largest step, in the norm of profile and parameters.
         progress: called with the branch so far after each step.
 
     Raises:
@@ -61,6 +64,8 @@ def branch_options(
             raise InputError(f"until: a branch cannot stop at a value of {name!r}; choose one of {', '.join(STOPS)}")
     if max_points < 2:
         raise InputError(f"max_points: {max_points} must be 2 or more")
+    if step is None:
+        step = min(0.1, max_step)
     if not 1e-6 < step <= max_step:
         raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}")
 
@@ -108,6 +113,10 @@ def pearl_branch(
         raise InputError(f"mode: {m} pearls are none; give a whole number from 1 on")
     if not critical_lambda2(tube.wave_number(m), 0, tube.c0) ** 2 < 1e12:
         raise InputError(f"mode: {m} pearls on L = {length:g} have k = 1 and branch off nowhere; change mode or length")
+    if length / m > LONGEST_PEARL:
+        raise InputError(
+            f"length: pearls of period {length / m:g} are longer than {LONGEST_PEARL:g} radii; take more of them"
+        )
     if not 1e-13 <= tolerance <= 1e-3:
         raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3")
     problem, u, tangent = pearling_onset(tube, m, tolerance=tolerance)
@@ -144,26 +153,28 @@ def shape_branch(
     Raises:
         InputError: an argument that cannot be used, or a guess from which no equilibrium is reached.
     """
-    tube, v = Tube(c0, length), positive("v", v)
-    amplitudes, why = relaxed(tube, v, np.array([finite("cosines", value) for value in cosines]))
+    tube, v = Tube(c0, length), positive("volume", v)
+    amplitudes, why = relaxed(tube, v, np.array([finite("shape", value) for value in cosines]))
     if why:
-        raise InputError(f"cosines: {why}")
+        raise InputError(f"shape: {why}")
     problem, u, why = pearl_of_graph(tube, v, amplitudes, tolerance=tolerance)
     if why:
-        raise InputError(f"cosines: the shape of least energy led to no equilibrium ({why}); try other cosines")
+        raise InputError(f"shape: the shape of least energy led to no equilibrium ({why}); try other cosines")
     problem = replace(problem, fixed=fixed, cells=cells)
     upwards = np.zeros_like(u)
     upwards[-1] = 1.0  # v is the last unknown
     tangent = tangent_along(problem, u, upwards)
     options = options or branch_options()
     down = continue_branch(start_point(problem, u, -tangent), options)
-    up = continue_branch(start_point(problem, u, tangent), options)
-    return down.reversed().extended(up)
+    lower, asked = down.reversed(), options
+    both = replace(options, progress=lambda so_far: asked.progress(lower.extended(so_far)))
+    return lower.extended(continue_branch(start_point(problem, u, tangent), both))
 
 
 def resumed(branch: Branch[PearlProblem], options: BranchOptions) -> Branch[PearlProblem]:
     """A branch continued from its last point; that and what follows as one branch."""
-    return branch.extended(continue_branch(branch.points[-1].point, options))
+    whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
+    return branch.extended(continue_branch(branch.points[-1].point, whole))
 
 
 def varied(
@@ -196,6 +207,8 @@ def varied(
     if not -len(branch.points) <= index < len(branch.points):
         raise InputError(f"point: the branch has points 0 to {len(branch.points) - 1}, so there is no point {index}")
     point = branch.points[index].point
+    if point.observables["amplitude"] < 1e-9:
+        raise InputError(f"point: point {index} is the cylinder, where branches cross; choose a point further on")
     other = "lambda2" if keep == "v" else "v"
     problem, u = point.problem.released(point.u, "arclength", "lambda1", other, names[vary])
     direction = np.zeros_like(u)
@@ -205,7 +218,7 @@ def varied(
         tangent = tangent_along(problem, u, direction)
     except np.linalg.LinAlgError:
         raise InputError(f"vary: {vary} turns just at point {index}; start from a point beside it") from None
-    return continue_branch(start_point(problem, u, tangent), options)
+    return continue_branch(start_point(problem, u, tangent), replace(options, folds=(vary, *options.folds)))
 
 
 def followed(
@@ -287,4 +300,6 @@ def load(path: str | os.PathLike[str]) -> Branch[PearlProblem]:
     Raises:
         InputError: the file is no saved branch, or is not whole.
     """
+    if not Path(path).is_file():
+        raise InputError(f"resume: there is no file {path}; give one that --save wrote")
     return read_branch(Path(path), PearlProblem.from_tree, Spectrum.from_tree)
