@@ -22,9 +22,10 @@ import numpy as np
 from scipy.integrate import solve_bvp
 
 from pearlbvp.continuation import PathOptions, Point, follow
+from pearlbvp.continuation.segment import Segment
 from pearlbvp.helfrich import Tube
 from pearlbvp.shapes import axisymmetric
-from pearlbvp.shapes.pearl import pearling_onset
+from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
 from pearlbvp.studies.localized import localized_pearls
 
 AUTO = Path("/usr/lib/auto-07p")
@@ -41,12 +42,22 @@ def best(function: Callable[[], object], repeats: int = 15) -> float:
     return min(times)
 
 
-def our_points(count: int = 40, step: float = 0.02) -> int:
+def our_points(degree: int = 6, intervals: int = 8, count: int = 40, step: float = 0.02) -> list[Point[PearlProblem]]:
     """Follow the pearls of period 7.5 for some short steps without remeshing."""
-    problem, u, tangent = pearling_onset(Tube(0.48, 7.5), tolerance=1e-6)
+    problem, u, tangent = pearling_onset(Tube(0.48, 7.5), degree=degree, intervals=intervals, tolerance=1.0)
     start = Point(problem, u, tangent, problem.observables(u))
     options = PathOptions(step=step, max_step=step, max_points=count)
-    return len(follow(start, options, lambda point: None).points)
+    return follow(start, options, lambda point: None).points
+
+
+def exact_lambda2(v: float) -> float:
+    """``lambda2`` of the pearl of period 7.5 at a volume, on 40 intervals of degree 7."""
+    problem, u, tangent = pearling_onset(Tube(0.48, 7.5), degree=7, intervals=40, tolerance=1.0)
+    start = Point(problem, u, tangent, problem.observables(u))
+    path = follow(start, PathOptions(), lambda point: "past" if point.observables["v"] > v else None)
+    before, after = path.points[-2:]
+    ends = before.observables["v"] - v, after.observables["v"] - v
+    return Segment(before, after).root(lambda point: point.observables["v"] - v, *ends).observables["lambda2"]
 
 
 def scipy_point() -> None:
@@ -90,8 +101,11 @@ def auto_seconds(folder: Path, points: int, intervals: int) -> float:
     return time.perf_counter() - start
 
 
-def auto_point() -> dict[int, float] | None:
-    """Seconds a point of AUTO-07p by number of intervals, its start-up taken off; None where it is not installed."""
+def auto_point() -> dict[int, tuple[float, float]] | None:
+    """Seconds a point of AUTO-07p (start-up taken off) and its error in ``lambda2``, by number of intervals.
+
+    None where AUTO-07p is not installed.
+    """
     if shutil.which("gfortran") is None or not AUTO.is_dir():
         return None
     here = Path(__file__).parent / "auto07p"
@@ -114,7 +128,9 @@ def auto_point() -> dict[int, float] | None:
         result = {}
         for intervals in (5, 10, 20, 50):
             short, long = (min(auto_seconds(folder, points, intervals) for _ in range(7)) for points in (40, 440))
-            result[intervals] = (long - short) / 400
+            auto_seconds(folder, 40, intervals)
+            row = [line.split() for line in (folder / "fort.7").read_text().splitlines() if line.split()[0] == "1"][20]
+            result[intervals] = (long - short) / 400, abs(float(row[4]) - exact_lambda2(float(row[-1])))
         return result
 
 
@@ -126,16 +142,21 @@ def main() -> None:
     many = [7.5 * n for n in range(2, 202)]
     print(f"the same for 200 lengths             {1e3 * best(lambda: localized_pearls(0.48, 7.5, many)):8.1f} ms")
     print(f"L = 600, period 600/81               {1e3 * best(lambda: localized_pearls(0.48, 600 / 81, [600])):8.1f} ms")
-    ours = best(our_points) / 40
-    print(f"continuation point (8 intervals, m=6){1e3 * ours:8.2f} ms")
+    for degree, intervals in ((4, 8), (6, 6), (6, 8)):
+        seconds = best(lambda m=degree, n=intervals: our_points(m, n)) / 40
+        middle = our_points(degree, intervals)[20].observables
+        error = abs(middle["lambda2"] - exact_lambda2(middle["v"]))
+        print(
+            f"point, {intervals} intervals of degree {degree}     {1e3 * seconds:8.2f} ms   error in lambda2 {error:.0e}"
+        )
     print(f"scipy.solve_bvp, one point           {1e3 * best(scipy_point, 5):8.1f} ms")
     auto = auto_point()
     if auto is None:
         print("AUTO-07p                             not installed here")
     else:
-        for intervals, seconds in auto.items():
+        for intervals, (seconds, error) in auto.items():
             print(
-                f"AUTO-07p, point, NTST = {intervals:<3d}          {1e3 * seconds:8.2f} ms   ours / AUTO = {ours / seconds:.2f}"
+                f"AUTO-07p, point, NTST = {intervals:<3d}          {1e3 * seconds:8.2f} ms   error in lambda2 {error:.0e}"
             )
     command = [
         sys.executable,
