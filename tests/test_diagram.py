@@ -1,0 +1,39 @@
+"""The automatic diagram on L = 15 at c0 = 0.48: everything that the paper's figure c05f1 has of axisymmetric branches."""
+
+import numpy as np
+import pytest
+
+from pearlbvp.errors import InputError
+from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.diagram import diagram
+from pearlbvp.studies.localized import localized_pearls
+
+
+def test_diagram_of_the_paper_s_figure():
+    names = []
+    found = diagram(0.48, 15, 1, branch_options({"v": 1.05}), progress=names.append)
+    assert list(found.branches) == ["1", "2", "2/1"]
+    table = found.table()
+    assert set(names) >= set(found.branches)
+    onset = table.groupby("branch").lambda2.first()
+    assert onset["1"] == pytest.approx(-0.4208, abs=5e-5)
+    assert onset["2"] == pytest.approx(-0.2432, abs=5e-5)
+    assert onset["2/1"] == pytest.approx(localized_pearls(0.48, 7.5, 15).lambda2.iloc[0], abs=1e-10)
+    # Only the localized pearl is stable at v = 1.05, and it has the least energy there.
+    last = table.groupby("branch").last()
+    np.testing.assert_allclose(last.v, 1.05, atol=1e-12)
+    assert last.n_unstable.to_dict()["2/1"] == 0
+    assert (last.n_unstable.drop("2/1") > 0).all()
+    assert last.E.astype(float).idxmin() == "2/1"
+
+
+def test_what_is_not_followed_is_said():
+    found = diagram(0.75, 10, 1, branch_options({"v": 1.04}))
+    assert found.skipped
+    assert all("n = 1" in reason for reason in found.skipped.values())
+
+
+@pytest.mark.parametrize("depth", [-1, 0.5])
+def test_depth_is_a_whole_number(depth):
+    with pytest.raises(InputError, match="^depth: "):
+        diagram(0.48, 15, depth)
