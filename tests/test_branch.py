@@ -11,10 +11,11 @@ from test_continuation import Curve
 
 import pearls
 from pearlbvp.continuation.branch import BranchOptions, continue_branch, start_point
-from pearlbvp.continuation.path import PathOptions
+from pearlbvp.continuation.path import PathOptions, correct
 from pearlbvp.continuation.switching import crossing_direction
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
+from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import unrolled
 from pearlbvp.stability.spectrum import Block, Spectrum
@@ -507,3 +508,35 @@ def test_folds_that_belong_together_are_one_point():
             assert {"fold:v", "fold:E"} <= set(branch.kinds(special.index))
         last = branch.at(branch.find("fold:v")[-1]).observables
         assert last["lambda2"] == pytest.approx(-3.7122828, abs=5e-7)
+
+
+@pytest.mark.parametrize("which", ["localized", "unequal"])
+def test_doubling_the_mesh_changes_no_branch_value(which, request):
+    point = request.getfixturevalue(which).points[-1].point
+    d = point.problem.discretization
+    fine, (moved,) = d.on_mesh(np.sort(np.append(d.mesh, (d.mesh[1:] + d.mesh[:-1]) / 2)), point.u)
+    finer = replace(point.problem, discretization=fine)
+    direction = np.zeros_like(moved)
+    direction[-1] = 1.0  # at the same volume
+    result, _ = correct(finer, moved, direction, moved, 0.0, NewtonOptions())
+    assert result.converged
+    after = finer.observables(result.u)
+    for name in ("lambda1", "lambda2", "E", "r_min", "r_max"):
+        assert after[name] == pytest.approx(point.observables[name], abs=1e-8)
+    assert finer.spectrum(result.u).mu_crit == pytest.approx(point.problem.spectrum(point.u).mu_crit, abs=1e-7)
+
+
+def test_surface_has_the_area_and_the_volume(localized):
+    x, y, z = localized.points[-1].point.problem.profile(localized.points[-1].point.u).surface(400)
+    corners = np.stack((x, y, z), axis=-1)
+    one, two = corners[1:, :-1] - corners[:-1, :-1], corners[:-1, 1:] - corners[:-1, :-1]
+    three, four = corners[1:, :-1] - corners[1:, 1:], corners[:-1, 1:] - corners[1:, 1:]
+    area = (np.linalg.norm(np.cross(one, two), axis=-1) + np.linalg.norm(np.cross(three, four), axis=-1)).sum() / 2
+    assert area == pytest.approx(60 * np.pi, rel=1e-3)
+
+
+def test_special_points_say_where_they_were_looked_for(four):
+    for special in four.find("bp"):
+        low, high = special.interval
+        assert low == 0 < high < 1
+        assert special.converged

@@ -75,7 +75,8 @@ class SpecialPoint(Generic[P]):
         index: place among the branch's points.
         block: symmetry block of the neutral perturbation, for ``bp``.
         change: by how much the number of unstable perturbations of that block changes there.
-        converged: whether it was located; if not, it is the nearest computed point.
+        converged: whether it was located; if not, it is the computed point that comes after.
+        interval: arclength from the computed point before in which it was looked for, and found.
     """
 
     kind: str
@@ -83,6 +84,7 @@ class SpecialPoint(Generic[P]):
     block: Any = None
     change: int = 0
     converged: bool = True
+    interval: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -328,7 +330,7 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
             if shorter > 10 * options.path.min_step and any(_is_doubtful(event, point.problem) for event in events):
                 path = steps(replace(before.point, step=shorter), options.path)
                 continue
-            new, found = _placed(events, len(points))
+            new, found = _placed(events, len(points), 4 * shorter)
             points += [*new, latest]
             special += found
             options.progress(Branch(points, special, "unfinished", False))
@@ -364,7 +366,7 @@ def _length(first: Point[Any], last: Point[Any]) -> float:
     return abs(Segment(first, last).length)
 
 
-def _placed(events: list[_Event[P]], count: int) -> tuple[list[BranchPoint[P]], list[SpecialPoint[P]]]:
+def _placed(events: list[_Event[P]], count: int, length: float) -> tuple[list[BranchPoint[P]], list[SpecialPoint[P]]]:
     """Located events as points of a branch of ``count`` points, and as special points; one point for those at one place.
 
     What was not located is attached to the computed point that comes after.
@@ -379,7 +381,9 @@ def _placed(events: list[_Event[P]], count: int) -> tuple[list[BranchPoint[P]], 
         places.append(count + len(points) - 1 if event.converged else None)
     after = count + len(points)
     special = [
-        SpecialPoint[P](event.kind, after if place is None else place, event.block, event.change, event.converged)
+        SpecialPoint[P](
+            event.kind, after if place is None else place, event.block, event.change, event.converged, (0.0, length)
+        )
         for event, place in zip(events, places, strict=True)
     ]
     return points, special

@@ -44,7 +44,13 @@ def write_branch(branch: Branch[Any], path: Path) -> None:
         for i, found in enumerate(branch.special):
             group = special.create_group(str(i))
             group.attrs.update(
-                {"kind": found.kind, "index": found.index, "change": found.change, "converged": found.converged}
+                {
+                    "kind": found.kind,
+                    "index": found.index,
+                    "change": found.change,
+                    "converged": found.converged,
+                    "interval": found.interval,
+                }
             )
             if found.block is not None:
                 group.attrs["block"] = list(branch.points[found.index].spectrum.rates).index(found.block)
@@ -97,7 +103,9 @@ def _read_special(attributes: Any, points: list[BranchPoint[Any]]) -> SpecialPoi
     index = int(attributes["index"])
     blocks = list(points[index].spectrum.rates)
     block = blocks[int(attributes["block"])] if "block" in attributes else None
-    return SpecialPoint(str(attributes["kind"]), index, block, int(attributes["change"]), bool(attributes["converged"]))
+    low, high = attributes["interval"]
+    change, converged = int(attributes["change"]), bool(attributes["converged"])
+    return SpecialPoint(str(attributes["kind"]), index, block, change, converged, (float(low), float(high)))
 
 
 def _write_tree(group: Any, tree: Mapping[str, Any]) -> None:

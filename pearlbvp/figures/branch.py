@@ -21,7 +21,12 @@ def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, lab
         # A stretch between two points is stable where neither of its ends is unstable.
         pieces_x, pieces_y = _broken(xs, ys, (stable[1:] & stable[:-1]) == wanted)
         axes.plot(
-            pieces_x, pieces_y, style, color=colour, linewidth=1.4, label=label if wanted == stable.any() else None
+            pieces_x,
+            pieces_y,
+            style,
+            color=colour,
+            linewidth=1.4,
+            label=label if wanted == (stable.mean() > 0.5) else None,
         )
     for kind, marker, face in (("bp", "o", "white"), ("fold", "x", None)):
         rows = table[table["special"].str.contains(kind)]
@@ -44,7 +49,7 @@ def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarra
 def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
     """Outlines of some shapes along a branch, one period each, above one another."""
     chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
-    height = 2.2 * max(branch.points[i].observables["r_max"] for i in chosen)
+    height = 2.5 * max(branch.points[i].observables["r_max"] for i in chosen)
     for place, index in enumerate(chosen):
         point = branch.points[index].point
         profile = point.problem.profile(point.u)
@@ -53,7 +58,7 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
         for side in (1, -1):
             axes.plot(x, side * r - place * height, color=colour, linewidth=1.2)
         label = f"point {index}: v = {point.observables['v']:.4f}"
-        axes.text(x[-1] / 2, -place * height, label, ha="center", va="center", fontsize=8)
+        axes.text(x[-1] / 2, -(place + 0.5) * height, label, ha="center", va="center", fontsize=8)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_yticks([])
 

@@ -49,6 +49,12 @@ class Profile:
         slopes = PiecewisePolynomial(whole.states.mesh, np.cos(whole.states.values[:, 1:2]))
         return whole.arclength * slopes.integral()[:, 0], whole.states.values[:, 0]
 
+    def surface(self, around: int = 48) -> tuple[Array, Array, Array]:
+        """Points of the surface, to draw or to export: ``x, y, z``, each of shape (K, around + 1), closed around."""
+        x, r = self.outline()
+        angle = np.linspace(0, 2 * np.pi, around + 1)
+        return np.repeat(x[:, None], around + 1, axis=1), np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))
+
     def mirrored(self) -> Profile:
         """The whole period as one piecewise polynomial."""
         if not self.half:
