@@ -15,7 +15,7 @@ from pearlbvp.collocation import Discretization, PiecewisePolynomial
 from pearlbvp.continuation.path import correct
 from pearlbvp.errors import InputError
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.shapes.pearl import HALF_CELL
+from pearlbvp.shapes.cells import HALF_CELL
 from pearlbvp.stability.bloch import SecondVariation
 from pearlbvp.stability.spectrum import spectrum
 from pearlbvp.studies.localized import PeriodicPearls, localized_pearls

@@ -16,7 +16,8 @@ from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions, newton
-from pearlbvp.shapes.pearl import HALF_CELL, PearlProblem
+from pearlbvp.shapes.cells import HALF_CELL
+from pearlbvp.shapes.pearl import PearlProblem
 
 
 def _series(amplitudes: Array, length: float, x: Array, derivative: int) -> Array:
