@@ -299,6 +299,19 @@ class Until(click.ParamType):
         return name.strip(), finite("--until", number)  # type: ignore[arg-type]
 
 
+class SpecialKind(click.ParamType):
+    """``KIND:K``: the K-th special point of a kind."""
+
+    name = "kind:k"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, int]:
+        """Split and parse the text."""
+        kind, _, number = str(value).rpartition(":")
+        if not (kind == "bp" or kind.startswith("fold:")) or not number.isdigit():
+            raise InputError(f"--follow: {value!r} must be bp:K or fold:NAME:K, like fold:v:1")
+        return kind, int(number)
+
+
 class ModeNumbers(click.ParamType):
     """``m,n``: waves along and around the tube."""
 
@@ -351,6 +364,12 @@ class ModeNumbers(click.ParamType):
               help="With --switch: what the new shapes are centred on.")  # fmt: skip
 @click.option("--vary", type=click.Choice(["c0", "L"]), help="With --resume: vary this from a point on, at fixed v.")
 @click.option(
+    "--follow",
+    type=SpecialKind(),
+    metavar="KIND:K",
+    help="With --vary: follow this fold or branch point (fold:v:1, bp:2) instead, in both parameters.",
+)
+@click.option(
     "--keep", type=click.Choice(["v", "lambda2"]), default="v", show_default=True, help="With --vary: what stays."
 )
 @click.option("--point", type=int, default=-1, help="With --vary: from which point.  [default: the last]")
@@ -376,6 +395,7 @@ def branch(
     switch: int | None,
     centre: str,
     vary: str | None,
+    follow: tuple[str, int] | None,
     keep: str,
     point: int,
     down: bool,
@@ -401,6 +421,8 @@ def branch(
         raise InputError("--resume: the saved branch has its own c0 and length; leave --c0 and --length out")
     if (switch is not None or vary is not None) and resume is None:
         raise InputError("--switch, --vary: they need --resume, the saved branch that they start from")
+    if follow is not None and save is not None:
+        raise InputError("--save: a curve in two parameters cannot be saved; write its table with --out")
     if switch is not None and vary is not None:
         raise InputError("--switch, --vary: choose one of them")
     if (shape is None) != (volume is None) or (shape is not None and resume is not None):
@@ -439,6 +461,8 @@ def branch(
         elif resume is None:
             tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
             found = study.pearl_branch(tube.c0, tube.length, mode[0], options, tolerance=tolerance, fixed=fixed)
+        elif vary is not None and follow is not None:
+            found = study.followed(study.load(resume), *follow, vary, options, upwards=not down)  # type: ignore[assignment]
         elif vary is not None:
             found = study.varied(study.load(resume), point, vary, options, keep=keep, upwards=not down)
         elif switch is None:
@@ -463,7 +487,7 @@ def branch(
 
 
 _BRANCH_OPTIONS = {
-    "vary": {"keep", "point", "down"},
+    "vary": {"keep", "point", "down", "follow"},
     "switch": {"centre", "shrink"},
     "shape": {"cells"},
 }

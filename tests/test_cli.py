@@ -111,6 +111,22 @@ def test_cells_of_a_shape_are_those_of_the_tube(capsys):
     assert table.critical.str.contains("/2").all()
 
 
+def test_a_fold_is_followed(capsys, tmp_path):
+    saved = str(tmp_path / "b.h5")
+    run(capsys, "branch", "pearl", "--c0", "0.75", "--length", "10", "--until", "v=0.99", "--save", saved)
+    arguments = ["branch", "pearl", "--resume", saved, "--follow", "fold:v:1", "--vary", "c0", "--down"]
+    status, out, err = run(
+        capsys, *arguments, "--max-step", "0.2", "--until", "c0=0.7", "--plot", str(tmp_path / "f.png")
+    )
+    assert (status, err) == (0, "")
+    table = pd.read_csv(io.StringIO(out), keep_default_na=False)
+    assert table.c0.iloc[-1] == 0.7
+    assert is_png(tmp_path / "f.png")
+    for change in (["--save", saved], ["--follow", "fold:1"], ["--follow", "bp:9"]):
+        status, _, err = run(capsys, *arguments, *change)
+        assert (status, err.count("\n")) == (2, 1)
+
+
 def test_options_that_a_saved_branch_has_already(capsys, tmp_path):
     saved = str(tmp_path / "b.h5")
     run(capsys, "branch", "pearl", "--c0", "0", "--length", "10", "--max-points", "3", "--save", saved)

@@ -52,7 +52,8 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
     height = 2.5 * max(branch.points[i].observables["r_max"] for i in chosen)
     for place, index in enumerate(chosen):
         point = branch.points[index].point
-        profile = point.problem.profile(point.u)
+        problem = getattr(point.problem, "base", point.problem)  # of a curve in two parameters: the shapes' own
+        profile = problem.profile(point.u)
         x, r = profile.outline()
         colour = COLOURS[0] if branch.points[index].spectrum.n_unstable == 0 else COLOURS[1]
         for side in (1, -1):
