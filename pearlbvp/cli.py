@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp._version import __version__
+from pearlbvp.arguments import ModeNumbers, Number, Numbers, SpecialKind, Until
 from pearlbvp.errors import InputError
 
 if TYPE_CHECKING:
@@ -27,34 +28,6 @@ if TYPE_CHECKING:
 DONE, SOME_FAILED, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
 
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-
-
-class Numbers(click.ParamType):
-    """A list of numbers: ``15,30,45`` or ``start:stop:step``."""
-
-    name = "numbers"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
-        """Parse the text; a range contains both its ends."""
-        from pearlbvp.numbers import parse_numbers
-
-        return value if isinstance(value, list) else parse_numbers(_option(param), value)
-
-
-class Number(click.ParamType):
-    """One finite number."""
-
-    name = "number"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Parse the text."""
-        from pearlbvp.helfrich import finite
-
-        return finite(_option(param), value)
-
-
-def _option(param: click.Parameter | None) -> str:
-    return param.opts[0] if param is not None else "argument"
 
 
 def _outputs(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -282,47 +255,6 @@ def region(
         return draw_region(table)
 
     return _write(table, out, plot, draw)
-
-
-class Until(click.ParamType):
-    """``NAME=VALUE``."""
-
-    name = "name=value"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
-        """Split and parse the text."""
-        from pearlbvp.helfrich import finite
-
-        name, equals, number = str(value).partition("=")
-        if not equals:
-            raise InputError(f"--until: {value!r} must be NAME=VALUE, like v=1.1")
-        return name.strip(), finite("--until", number)  # type: ignore[arg-type]
-
-
-class SpecialKind(click.ParamType):
-    """``KIND:K``: the K-th special point of a kind."""
-
-    name = "kind:k"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, int]:
-        """Split and parse the text."""
-        kind, _, number = str(value).rpartition(":")
-        if not (kind == "bp" or kind.startswith("fold:")) or not number.isdigit():
-            raise InputError(f"--follow: {value!r} must be bp:K or fold:NAME:K, like fold:v:1")
-        return kind, int(number)
-
-
-class ModeNumbers(click.ParamType):
-    """``m,n``: waves along and around the tube."""
-
-    name = "m,n"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
-        """Split and parse the text."""
-        m, comma, n = str(value).partition(",")
-        if not (comma and m.strip().isdigit() and n.strip().isdigit()):
-            raise InputError(f"--mode: {value!r} must be two whole numbers m,n, like 1,0")
-        return int(m), int(n)
 
 
 @cli.command(

@@ -206,7 +206,7 @@ def _located(
 ) -> _Event[P]:
     """An event at a function's sign change; at the segment's end, unconverged, where that cannot be located."""
     try:
-        point = segment.root(function, *ends)
+        point = segment.root(function, ends[0])
     except PathEnd:
         return _Event(segment.length, kind, segment.last, converged=False, **what)
     s = point.problem.inner(segment.first.tangent, point.u - segment.first.u)

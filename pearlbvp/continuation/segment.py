@@ -22,12 +22,10 @@ class Segment(Generic[P]):
 
     Attributes:
         first, last: consecutive points of a path, possibly on different meshes.
-        pitchfork: the first is a bifurcation point: nothing is corrected there.
     """
 
     first: Point[P]
     last: Point[P]
-    pitchfork: bool = False
     _known: dict[float, Point[P]] = field(default_factory=dict, repr=False)
     _nodes: dict[float, Array] = field(default_factory=dict, repr=False)
 
@@ -83,12 +81,12 @@ class Segment(Generic[P]):
         if len(nodes) > 4:
             self._nodes.update(nodes)
 
-    def root(self, function: Callable[[Point[P]], float], at_first: float, at_last: float) -> Point[P]:
+    def root(self, function: Callable[[Point[P]], float], at_first: float) -> Point[P]:
         """The point where a function changes its sign, to the accuracy of ``s`` in rounding (Brent's method).
 
         Args:
             function: of a point.
-            at_first, at_last: its values at the ends, of opposite signs.
+            at_first: its value at the first point; that at the last has the opposite sign.
 
         Raises:
             PathEnd: no sign change on the first point's mesh, or the corrector fails.

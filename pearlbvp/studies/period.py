@@ -83,9 +83,9 @@ def _energy_at(tube: Tube, m: int, v: float) -> float | None:
     if path.reason != "there" or len(path.points) < 2:
         return None
     before, after = path.points[-2:]
-    differences = before.observables["v"] - v, after.observables["v"] - v
+    difference = before.observables["v"] - v
     try:
-        return Segment(before, after).root(lambda point: point.observables["v"] - v, *differences).observables["E"]
+        return Segment(before, after).root(lambda point: point.observables["v"] - v, difference).observables["E"]
     except PathEnd:
         return None
 

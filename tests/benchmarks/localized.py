@@ -56,8 +56,11 @@ def exact_lambda2(v: float) -> float:
     start = Point(problem, u, tangent, problem.observables(u))
     path = follow(start, PathOptions(), lambda point: "past" if point.observables["v"] > v else None)
     before, after = path.points[-2:]
-    ends = before.observables["v"] - v, after.observables["v"] - v
-    return Segment(before, after).root(lambda point: point.observables["v"] - v, *ends).observables["lambda2"]
+    return (
+        Segment(before, after)
+        .root(lambda point: point.observables["v"] - v, before.observables["v"] - v)
+        .observables["lambda2"]
+    )
 
 
 def scipy_point() -> None:
