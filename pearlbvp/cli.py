@@ -120,7 +120,7 @@ def dispersion(
     translations), role (lower or upper: the ends of the interval in which the tube is stable).
     """
     from pearlbvp.helfrich import Tube, in_units_of_radius
-    from pearlbvp.studies.dispersion import branch_points
+    from pearlbvp.studies.dispersion import branch_points, instability_curves
 
     out, plot = _check_outputs(out, plot)
     tube = Tube.from_dimensional(c0, length, radius)
@@ -129,7 +129,8 @@ def dispersion(
     def draw() -> Figure:
         from pearlbvp.figures.dispersion import draw_dispersion
 
-        return draw_dispersion(table, tube.c0, tube.length)
+        curves = instability_curves(tube.c0, max(1.6, float(table["k"].max())), int(table["n"].max()))
+        return draw_dispersion(table, curves, f"c0 = {tube.c0:g}, L = {tube.length:g}")
 
     return _write(in_units_of_radius(table, radius), out, plot, draw)
 

@@ -58,3 +58,14 @@ def branch_points(c0: float, length: float, max_m: int | None = None, max_n: int
     apart = np.diff(table["lambda2"], prepend=-np.inf) > 1e-10 * (1 + table["lambda2"].abs())
     table["kernel"] = table.groupby(apart.cumsum())["kernel"].transform("sum")
     return table
+
+
+def instability_curves(c0: float, k_max: float, max_n: int = 4, points: int = 800) -> pd.DataFrame:
+    """Critical ``lambda2`` over the wave number, as if any ``k`` fitted the tube (the paper's Fig. neigs).
+
+    Returns:
+        Columns ``n, k, lambda2``, ``points`` rows for each ``n`` from 0 to ``max_n``.
+    """
+    k = np.linspace(0.004, k_max, points)
+    curves = [pd.DataFrame({"n": n, "k": k, "lambda2": critical_lambda2(k, n, c0)}) for n in range(max_n + 1)]
+    return pd.concat(curves, ignore_index=True)

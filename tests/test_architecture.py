@@ -1,0 +1,31 @@
+"""Rooms import from below only: what stands above in this list may import what stands below it."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[1] / "pearlbvp"
+ROOMS = ["cli", "figures", "studies", "shapes", "stability", "theory", "continuation", "collocation"]
+NOTHING_OF = {
+    "continuation": {"collocation", "theory", "helfrich"},
+    "collocation": {"theory", "helfrich"},
+    "figures": {"theory"},
+}
+
+
+def imported(path):
+    """Rooms (first names below the package) that a file imports, anywhere in it."""
+    rooms = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("pearlbvp."):
+            rooms.add(node.module.split(".")[1])
+    return rooms
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_room_imports_only_from_below(room):
+    files = list((PACKAGE / room).glob("*.py")) or [PACKAGE / f"{room}.py"]
+    above = set(ROOMS[: ROOMS.index(room)])
+    for path in files:
+        assert not imported(path) & (above | NOTHING_OF.get(room, set())), path.name
