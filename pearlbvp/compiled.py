@@ -24,7 +24,7 @@ def compiled(function: F) -> F:
     chosen = config.CACHE_DIR
     config.CACHE_DIR = chosen or AppDirs("pearlbvp", appauthor=False).user_cache_dir
     try:
-        dispatcher: Any = numba.njit(cache=True, error_model="numpy")(function)
+        dispatcher: Any = numba.njit(cache=True, error_model="numpy", fastmath={"contract"})(function)
     except RuntimeError:  # numba's "no locator available": there is nowhere to keep the cache
         dispatcher = numba.njit(error_model="numpy")(function)
     finally:

@@ -38,6 +38,7 @@ class NewtonResult:
         converged: whether it is a solution.
         iterations: linear solves made.
         correction: size of the last correction, relative to one plus the unknown.
+        rate: the factor ``C`` of quadratic convergence that the last two corrections show, or the one assumed.
         message: empty, or why it failed and what to try.
     """
 
@@ -45,6 +46,7 @@ class NewtonResult:
     converged: bool
     iterations: int
     correction: float
+    rate: float
     message: str = ""
 
 
@@ -53,38 +55,55 @@ def newton(
     correct: Callable[[Array, Array], Array],
     u: Array,
     options: NewtonOptions | None = None,
+    rate: float = 1e4,
 ) -> NewtonResult:
     """Solve ``residual(u) = 0``; ``correct(u, f)`` returns ``J(u)^{-1} f``.
 
     Convergence is quadratic: after the correction ``d`` the error is ``C d**2``, with ``C = d / previous**2`` estimated
     (P. Deuflhard, Newton Methods for Nonlinear Problems (Springer 2004), §2.1). The iteration ends when that is below
-    the tolerance, without computing one more correction to see it. A first correction alone tells nothing of ``C``; it
-    is taken as 1e4.
+    the tolerance, without computing one more correction to see it. A first correction alone tells nothing of ``C``: for
+    it ``rate`` is taken, which a neighbouring solution may have shown (§5.1 there).
     """
     options = options or NewtonOptions()
     correction = np.inf
+
+    def failed(iterations: int, message: str) -> NewtonResult:
+        return NewtonResult(u, False, iterations, correction, rate, message)
+
     with np.errstate(all="ignore"):
         f = residual(u)
         for iteration in range(1, options.max_iterations + 1):
             if not np.isfinite(f).all():
-                return NewtonResult(u, False, iteration - 1, correction, "the residual is not finite; start nearer")
+                return failed(iteration - 1, "the residual is not finite; start nearer")
             try:
                 step = correct(u, f)
             except np.linalg.LinAlgError as error:
-                return NewtonResult(u, False, iteration, correction, f"singular Jacobian ({error}); start elsewhere")
-            previous, correction = correction, float(np.max(np.abs(step) / (1 + np.abs(u))))
-            rate = 1e4 if iteration == 1 else max(1.0, correction / previous**2)
+                return failed(iteration, f"singular Jacobian ({error}); start elsewhere")
+            previous, correction = correction, float((np.abs(step) / (1 + np.abs(u))).max())
+            if iteration > 1:
+                rate = max(1.0, correction / previous**2)
             stalled = correction > previous / 2 and correction < options.rounding
             if rate * correction**2 < options.tolerance or stalled:
-                return NewtonResult(u - step, True, iteration, correction)
+                return NewtonResult(u - step, True, iteration, correction, rate)
             if options.damping == 0 and iteration > 2 and correction > 2 * previous:
-                return NewtonResult(u, False, iteration, correction, "Newton's method diverges; take a smaller step")
-            size = np.linalg.norm(f)
-            for halving in range(options.damping + 1):
-                trial = u - step / 2**halving
-                f = residual(trial)
-                if np.linalg.norm(f) < size:
-                    break
-            u = trial
-    message = f"no convergence in {options.max_iterations} iterations; take a smaller step or a better guess"
-    return NewtonResult(u, False, options.max_iterations, correction, message)
+                return failed(iteration, "Newton's method diverges; take a smaller step")
+            if options.damping == 0:
+                u = u - step
+                f = residual(u)
+            else:
+                u, f = _damped(residual, u, f, step, options.damping)
+    return failed(
+        options.max_iterations,
+        f"no convergence in {options.max_iterations} iterations; take a smaller step or a better guess",
+    )
+
+
+def _damped(residual: Callable[[Array], Array], u: Array, f: Array, step: Array, halvings: int) -> tuple[Array, Array]:
+    """The first of the corrections ``step, step/2, ...`` that lowers the residual, or the last; the residual there."""
+    size = np.linalg.norm(f)
+    for halving in range(halvings + 1):
+        trial = u - step / 2**halving
+        f = residual(trial)
+        if np.linalg.norm(f) < size:
+            break
+    return trial, f

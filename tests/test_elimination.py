@@ -10,53 +10,52 @@ from pearlbvp.collocation.scheme import gauss_scheme
 
 def dense(scheme, system):
     """The whole matrix, row by row from ``mass y' - jacobian y - parameter_jacobian p`` and the borders' definitions."""
-    m, h = scheme.m, system.h
-    n, k = system.parameter_jacobian.shape[1:]
-    at_start, at_end, by_p = system.boundary
-    unknowns = (len(h) * m + 1) * n + k
+    m, h, free = scheme.m, system.h, system.free
+    n, k = system.jacobian.shape[1], len(free)
+    states = (len(h) * m + 1) * n
     rows = []
-    weights = np.zeros((len(h) * m, unknowns - k, n))  # integral of density . y as a row
+    at_gauss = np.zeros((len(h) * m, n, states))
+    weights = np.repeat(h, m) * np.tile(scheme.weights, len(h))
     for i in range(len(h)):
         for g in range(m):
-            values = np.zeros((n, unknowns))
-            slopes = np.zeros((n, unknowns))
+            slopes = np.zeros((n, states))
             for j in range(m + 1):
                 place = (i * m + j) * n
-                values[:, place : place + n] += scheme.values[g, j] * np.eye(n)
+                at_gauss[i * m + g, :, place : place + n] += scheme.values[g, j] * np.eye(n)
                 slopes[:, place : place + n] += scheme.derivatives[g, j] / h[i] * np.eye(n)
-            row = system.mass[:, None] * slopes - system.jacobian[i * m + g] @ values
-            row[:, unknowns - k :] -= system.parameter_jacobian[i * m + g]
-            rows.append(row)
-            weights[i * m + g] = h[i] * scheme.weights[g] * values[:, : unknowns - k].T
-    boundary = np.zeros((len(at_start), unknowns))
-    boundary[:, :n], boundary[:, unknowns - k - n : unknowns - k], boundary[:, unknowns - k :] = at_start, at_end, by_p
-    borders = np.hstack((np.einsum("gcn,gun->cu", system.borders, weights), system.borders_p))
-    return np.vstack((*rows, boundary, borders))
+            by_y = system.mass[:, None] * slopes - system.jacobian[i * m + g] @ at_gauss[i * m + g]
+            rows.append(np.hstack((by_y, -system.parameter_jacobian[i * m + g][:, free])))
+    boundary = np.zeros((len(system.at_start), states))
+    boundary[:, :n], boundary[:, states - n :] = system.at_start, system.at_end
+    rows.append(np.hstack((boundary, system.boundary_p[:, free])))
+    integrals = np.einsum("g,gcn,gnu->cu", weights, system.densities, at_gauss)
+    rows.append(np.hstack((integrals, np.tensordot(weights, system.densities_p, 1)[:, free])))
+    for row in system.rows:
+        row_at_gauss = at_gauss @ row[:states]
+        rows.append(np.append(np.einsum("g,gn,gnu->u", weights, row_at_gauss, at_gauss), row[states:])[None])
+    assert len(np.vstack(rows)) == states + k
+    return np.vstack(rows)
 
 
 @pytest.mark.parametrize(
-    ("m", "n", "intervals", "k", "b"), [(2, 3, 1, 1, 3), (3, 2, 5, 2, 2), (4, 4, 7, 4, 4), (5, 1, 3, 0, 0)]
+    ("m", "n", "intervals", "free", "b", "c"),
+    [(2, 3, 1, [1], 3, 0), (3, 2, 5, [2, 0], 2, 1), (4, 4, 7, [0, 1, 3, 4], 4, 3), (5, 1, 3, [], 0, 1)],
 )
-def test_agrees_with_the_dense_matrix(m, n, intervals, k, b):
+def test_agrees_with_the_dense_matrix(m, n, intervals, free, b, c):
     rng = np.random.default_rng(m)
     scheme = gauss_scheme(m)
-    c = n + k - b
+    k, r = 5, n + len(free) - b - c
     h = rng.uniform(0.5, 1.5, intervals)
     h /= h.sum()
     points = intervals * m
+    unknowns = (points + 1) * n + len(free)
+    shapes = [(points, n, n), (points, n, k), (n,), (b, n), (b, n), (b, k), (points, c, n), (points, c, k)]
     system = LinearSystem(
-        h,
-        rng.standard_normal((points, n, n)),
-        rng.standard_normal((points, n, k)),
-        (rng.standard_normal((b, n)), rng.standard_normal((b, n)), rng.standard_normal((b, k))),
-        rng.standard_normal((points, c, n)),
-        rng.standard_normal((c, k)),
-        rng.standard_normal(n),
+        h, *(rng.standard_normal(s) for s in shapes), np.array(free, dtype=np.intp), rng.standard_normal((r, unknowns))
     )
-    defects, conditions = rng.standard_normal((points, n, 2)), rng.standard_normal((b + c, 2))
-    y, p = solve(scheme, system, defects, conditions)
-    expected = np.linalg.solve(dense(scheme, system), np.vstack((defects.reshape(-1, 2), conditions)))
-    np.testing.assert_allclose(np.hstack((y.reshape(2, -1), p)).T, expected, rtol=1e-9, atol=1e-10)
+    rhs = rng.standard_normal((unknowns, 2))
+    expected = np.linalg.solve(dense(scheme, system), rhs)
+    np.testing.assert_allclose(solve(scheme, system, rhs), expected, rtol=1e-9, atol=1e-10)
 
 
 def test_transfer_pencil_is_the_matrix_exponential():
@@ -82,10 +81,7 @@ def test_multipliers_on_the_unit_circle_survive_beside_huge_ones():
 
 def test_a_singular_matrix_is_said_to_be_singular():
     scheme = gauss_scheme(2)
-    zeros = np.zeros((2, 1, 1))
-    system = LinearSystem(
-        np.ones(1), zeros, np.zeros((2, 1, 0)), (np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((1, 0))),
-        np.zeros((2, 0, 1)), np.zeros((0, 0)), np.ones(1),
-    )  # fmt: skip
+    shapes = [(2, 1, 1), (2, 1, 0), (1,), (1, 1), (1, 1), (1, 0), (2, 0, 1), (2, 0, 0)]
+    system = LinearSystem(np.ones(1), *(np.zeros(s) for s in shapes), np.zeros(0, dtype=np.intp), np.zeros((0, 3)))
     with pytest.raises(np.linalg.LinAlgError):
-        solve(scheme, system, np.ones((2, 1, 1)), np.ones((1, 1)))
+        solve(scheme, system, np.ones((3, 1)))

@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pearlbvp.collocation.elimination import LinearSystem, solve
-from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, apply_basis
+from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, apply_basis, integrated_product
 from pearlbvp.collocation.problem import BoundaryValueProblem
 from pearlbvp.collocation.scheme import Array, Scheme
 
@@ -43,9 +44,9 @@ class Discretization:
             raise ValueError("mesh: it must increase from 0 to 1")
 
     @cached_property
-    def free_index(self) -> list[int]:
+    def free_index(self) -> NDArray[np.intp]:
         """Places of the free parameters among all parameters."""
-        return [self.problem.parameters.index(name) for name in self.free]
+        return np.array([self.problem.parameters.index(name) for name in self.free], dtype=np.intp)
 
     @cached_property
     def h(self) -> Array:
@@ -69,6 +70,10 @@ class Discretization:
         weights: Array = (self.h[:, None] * self.scheme.weights).ravel()
         return weights
 
+    @cached_property
+    def _no_mass(self) -> Array:
+        return np.ones(self.n)
+
     @property
     def n(self) -> int:
         """Number of states."""
@@ -85,7 +90,7 @@ class Discretization:
 
     def values(self, u: Array) -> Array:
         """The values at all points, shape (N*m + 1, n)."""
-        return u[: u.size - len(self.free)].reshape(-1, self.n)
+        return u[: u.size - len(self.free)].reshape(-1, len(self.problem.states))
 
     def all_parameters(self, u: Array) -> Array:
         """All parameters, the free ones from ``u``, shape (k,)."""
@@ -107,9 +112,8 @@ class Discretization:
 
         All are linear in a small error of ``u``, and of its size.
         """
-        p = self.all_parameters(u)
-        values = self.values(u)
-        y = self.at_gauss_points(u)
+        p, values = self.all_parameters(u), self.values(u)
+        y = apply_basis(self.scheme.values, values)
         slopes = apply_basis(self.scheme.derivatives, values) / self.gauss_h
         mass, _ = self.problem.mass(p)
         defects = (slopes if mass is None else mass * slopes) - self.problem.rhs(self.gauss_points, y, p)
@@ -124,8 +128,8 @@ class Discretization:
     def inner(self, u: Array, v: Array) -> float:
         """``integral of y_u . y_v dt + p_u . p_v``: independent of the mesh."""
         k = len(self.free)
-        states = (self.at_gauss_points(u) * self.at_gauss_points(v)).sum(axis=1)
-        return float(self.gauss_weights @ states + u[u.size - k :] @ v[v.size - k :])
+        states = integrated_product(self.scheme.values, self.gauss_weights, self.values(u), self.values(v))
+        return float(states + u[u.size - k :] @ v[v.size - k :])
 
     def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
         """Solve with the residual's exact Jacobian at ``u``, bordered below by the row ``inner(row, .)``.
@@ -143,38 +147,24 @@ class Discretization:
         Raises:
             numpy.linalg.LinAlgError: the bordered matrix is singular to working precision.
         """
-        p, values, y = self.all_parameters(u), self.values(u), self.at_gauss_points(u)
-        t, free = self.gauss_points, self.free_index
+        p, values, t = self.all_parameters(u), self.values(u), self.gauss_points
+        y = apply_basis(self.scheme.values, values)
         by_y, by_p = self.problem.rhs_jacobian(t, y, p)
         mass, mass_p = self.problem.mass(p)
         if mass_p is not None:
             slopes = apply_basis(self.scheme.derivatives, values) / self.gauss_h
             by_p = by_p - slopes[:, :, None] * mass_p
-        at_start, at_end, boundary_p = self.problem.boundary_jacobian(values[0], values[-1], p)
-        densities, integrals_p = self.problem.integrand_jacobian(t, y, p)
-        borders_p = np.tensordot(self.gauss_weights, integrals_p, 1)[:, free]
-        if row is not None:
-            rows = np.atleast_2d(row)
-            at_gauss = np.stack([self.at_gauss_points(one) for one in rows], axis=1)
-            densities = np.concatenate((densities, at_gauss), axis=1)
-            borders_p = np.concatenate((borders_p, rows[:, rows.shape[1] - len(free) :]))
         system = LinearSystem(
-            h=self.h,
-            jacobian=by_y,
-            parameter_jacobian=by_p[:, :, free],
-            boundary=(at_start, at_end, boundary_p[:, free]),
-            borders=densities,
-            borders_p=borders_p,
-            mass=np.ones(self.n) if mass is None else mass,
+            self.h,
+            by_y,
+            by_p,
+            self._no_mass if mass is None else mass,
+            *self.problem.boundary_jacobian(values[0], values[-1], p),
+            *self.problem.integrand_jacobian(t, y, p),
+            self.free_index,
+            np.empty((0, u.size)) if row is None else row.reshape(-1, u.size),
         )
-        columns = rhs.reshape(self.size, -1)
-        points = len(t) * self.n
-        defects = np.ascontiguousarray(columns[:points]).reshape(len(t), self.n, -1)
-        solution, parameters = solve(self.scheme, system, defects, columns[points:])
-        result = np.empty_like(columns)
-        result[: self.size - len(free)] = solution.reshape(columns.shape[1], -1).T
-        result[self.size - len(free) :] = parameters.T
-        return result.reshape(rhs.shape)
+        return solve(self.scheme, system, rhs.reshape(self.size, -1)).reshape(rhs.shape)
 
     def on_mesh(self, mesh: Array, *unknowns: Array) -> tuple[Discretization, list[Array]]:
         """The same problem on another mesh, with unknowns interpolated onto it."""

@@ -24,7 +24,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from pearlbvp.collocation.polynomial import apply_basis
 from pearlbvp.collocation.scheme import Array, Scheme
 from pearlbvp.compiled import compiled
 
@@ -32,24 +34,53 @@ from pearlbvp.compiled import compiled
 class LinearSystem(NamedTuple):
     """A linearised collocation problem: ``N`` intervals, ``m`` Gauss points, ``n`` states, ``k`` parameters.
 
+    Of all parameters only ``f`` are unknowns: ``free`` says which.
+
     Attributes:
         h: lengths of the intervals, shape (N,).
         jacobian: derivative of the ODE's right-hand side at the Gauss points, shape (N*m, n, n).
         parameter_jacobian: its derivative by the parameters there, shape (N*m, n, k).
-        boundary: derivatives of the boundary conditions by ``y_0``, ``y_N`` and ``p``, shapes (b, n), (b, n), (b, k).
-        borders: densities of the border rows at the Gauss points, shape (N*m, c, n): a row is
-            ``integral of density . y dt + borders_p . p``.
-        borders_p: their entries in the parameters' columns, shape (c, k).
         mass: factors of the derivatives ``y'`` in the ODE's equations, shape (n,).
+        at_start, at_end, boundary_p: derivatives of the boundary conditions by ``y_0``, ``y_N`` and the parameters, shapes
+            (b, n), (b, n), (b, k).
+        densities, densities_p: derivatives of the integral conditions' integrands at the Gauss points, shapes (N*m, c, n)
+            and (N*m, c, k).
+        free: places of the unknown parameters, shape (f,), integers.
+        rows: further borders, shape (r, (N*m + 1)*n + f): unknowns whose inner product with the solution is given,
+            ``integral of row_y . y dt + row_p . p``.
     """
 
     h: Array
     jacobian: Array
     parameter_jacobian: Array
-    boundary: tuple[Array, Array, Array]
-    borders: Array
-    borders_p: Array
     mass: Array
+    at_start: Array
+    at_end: Array
+    boundary_p: Array
+    densities: Array
+    densities_p: Array
+    free: NDArray[np.intp]
+    rows: Array
+
+
+@compiled
+def _eliminate(matrix, columns, rows):  # type: ignore[no-untyped-def]
+    """LU in place of the first ``columns`` columns, pivots among the first ``rows`` rows; those below are reduced too."""
+    for k in range(columns):
+        best, largest = k, abs(matrix[k, k])
+        for row in range(k + 1, rows):
+            size = abs(matrix[row, k])
+            if size > largest:
+                best, largest = row, size
+        pivot = matrix[best, k:].copy()  # a copy overlaps nothing: so the compiler vectorizes the inner loop
+        if best != k:
+            matrix[best, k:] = matrix[k, k:]
+            matrix[k, k:] = pivot
+        reciprocal = 1.0 / pivot[0]
+        for row in range(k + 1, matrix.shape[0]):
+            factor, target = matrix[row, k] * reciprocal, matrix[row, k:]
+            for column in range(1, pivot.size):
+                target[column] -= factor * pivot[column]
 
 
 @compiled
@@ -94,23 +125,7 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
             for row in range(n):
                 for column in range(e):
                     local[g * n + row, inner + 2 * n + column] = h[i] * extra[i * m + g, row, column]
-        for k in range(inner):
-            best = k
-            for row in range(k + 1, rows):
-                if abs(local[row, k]) > abs(local[best, k]):
-                    best = row
-            if best != k:
-                for column in range(k, width):
-                    swap = local[k, column]
-                    local[k, column] = local[best, column]
-                    local[best, column] = swap
-            pivot = local[k, k + 1 :]
-            for row in range(k + 1, rows + c):
-                factor = local[row, k] / local[k, k]
-                if factor != 0.0:
-                    target = local[row, k + 1 :]
-                    for column in range(pivot.size):
-                        target[column] -= factor * pivot[column]
+        _eliminate(local, inner, rows)
         pivots[i] = local[:inner]
 
         if i == 0:
@@ -168,79 +183,114 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
 
 
 @compiled
-def _substitute(pivots, chain, ends, parameters, n, m):  # type: ignore[no-untyped-def]
-    """Back-substitution: the values at all points, shape (s, N*m + 1, n), from those at both ends, (s, 2n).
+def _substitute(pivots, chain, solved, k, s, y):  # type: ignore[no-untyped-def]
+    """Back-substitution into ``y``, shape (N*m + 1, n), for the right-hand side ``s``.
 
-    ``parameters`` has shape (s, k). The last ``s`` of the extra columns are the right-hand sides.
+    ``solved`` holds ``y_0, y_N`` and the ``k`` parameters, shape (2n + k,).
     """
     intervals, inner = pivots.shape[0], pivots.shape[1]
-    sides, k = parameters.shape
-    y = np.zeros((sides, intervals * m + 1, n))
-    for s in range(sides):
-        y[s, 0] = ends[s, :n]
-        y[s, intervals * m] = ends[s, n:]
-        for i in range(intervals - 1, 0, -1):
-            for row in range(n - 1, -1, -1):
-                value = chain[i, row, 3 * n + k + s]
-                for column in range(k):
-                    value -= chain[i, row, 3 * n + column] * parameters[s, column]
-                for column in range(n):
-                    value -= chain[i, row, n + column] * y[s, 0, column]
-                    value -= chain[i, row, 2 * n + column] * y[s, (i + 1) * m, column]
-                for column in range(row + 1, n):
-                    value -= chain[i, row, column] * y[s, i * m, column]
-                y[s, i * m, row] = value / chain[i, row, row]
-        for i in range(intervals):
-            for row in range(inner - 1, -1, -1):
-                value = pivots[i, row, inner + 2 * n + k + s]
-                for column in range(k):
-                    value -= pivots[i, row, inner + 2 * n + column] * parameters[s, column]
-                for column in range(n):
-                    value -= pivots[i, row, inner + column] * y[s, i * m, column]
-                    value -= pivots[i, row, inner + n + column] * y[s, (i + 1) * m, column]
-                for column in range(row + 1, inner):
-                    value -= pivots[i, row, column] * y[s, i * m + 1 + column // n, column % n]
-                y[s, i * m + 1 + row // n, row % n] = value / pivots[i, row, row]
-    return y
+    n = y.shape[1]
+    m = inner // n + 1
+    y[0] = solved[:n]
+    y[intervals * m] = solved[n : 2 * n]
+    for i in range(intervals - 1, 0, -1):
+        for row in range(n - 1, -1, -1):
+            value = chain[i, row, 3 * n + k + s]
+            for column in range(k):
+                value -= chain[i, row, 3 * n + column] * solved[2 * n + column]
+            for column in range(n):
+                value -= chain[i, row, n + column] * y[0, column]
+                value -= chain[i, row, 2 * n + column] * y[(i + 1) * m, column]
+            for column in range(row + 1, n):
+                value -= chain[i, row, column] * y[i * m, column]
+            y[i * m, row] = value / chain[i, row, row]
+    for i in range(intervals):
+        for row in range(inner - 1, -1, -1):
+            value = pivots[i, row, inner + 2 * n + k + s]
+            for column in range(k):
+                value -= pivots[i, row, inner + 2 * n + column] * solved[2 * n + column]
+            for column in range(n):
+                value -= pivots[i, row, inner + column] * y[i * m, column]
+                value -= pivots[i, row, inner + n + column] * y[(i + 1) * m, column]
+            for column in range(row + 1, inner):
+                value -= pivots[i, row, column] * y[i * m + 1 + column // n, column % n]
+            y[i * m + 1 + row // n, row % n] = value / pivots[i, row, row]
 
 
-def solve(scheme: Scheme, system: LinearSystem, defects: Array, conditions: Array) -> tuple[Array, Array]:
-    """Solve ``mass y' - jacobian y - parameter_jacobian p = defects``, with boundary and border rows ``= conditions``.
+@compiled
+def _solve(derivatives, values, weights, system, rhs):  # type: ignore[no-untyped-def]
+    """Step 3 around ``_condense`` and ``_substitute``: the solutions, and whether the dense matrix is regular."""
+    h, free, rows = system.h, system.free, system.rows
+    n, m, k, s = system.jacobian.shape[1], weights.size, free.size, rhs.shape[1]
+    b, c, r = system.at_start.shape[0], system.densities.shape[1], rows.shape[0]
+    gauss = h.size * m
+    extra = np.empty((gauss, n, k + s))
+    borders = np.empty((gauss, c + r, n))
+    ends = 2 * n + k
+    matrix = np.zeros((ends, ends + s))
+    for g in range(gauss):
+        weight = h[g // m] * weights[g % m]
+        for row in range(n):
+            for column in range(k):
+                extra[g, row, column] = -system.parameter_jacobian[g, row, free[column]]
+            for column in range(s):
+                extra[g, row, k + column] = rhs[g * n + row, column]
+        for row in range(c):
+            for column in range(n):
+                borders[g, row, column] = system.densities[g, row, column]
+            for column in range(k):
+                matrix[n + b + row, 2 * n + column] += weight * system.densities_p[g, row, free[column]]
+    for row in range(r):
+        borders[:, c + row] = apply_basis(values, rows[row, : rows.shape[1] - k].reshape(-1, n))
+        matrix[n + b + c + row, 2 * n : ends] = rows[row, rows.shape[1] - k :]
+    pivots, chain, block, border = _condense(
+        derivatives, values, weights, h, system.jacobian, extra, borders, system.mass
+    )
+    matrix[:n] = block
+    for row in range(b):
+        matrix[n + row, :n] = system.at_start[row]
+        matrix[n + row, n : 2 * n] = system.at_end[row]
+        for column in range(k):
+            matrix[n + row, 2 * n + column] = system.boundary_p[row, free[column]]
+    matrix[n + b :] += border
+    matrix[n:, ends:] += rhs[gauss * n :]
+    _eliminate(matrix, ends, ends)
+    regular = True
+    for row in range(ends):
+        regular = regular and matrix[row, row] != 0.0 and np.isfinite(matrix[row, row])
+    result = np.empty_like(rhs)
+    y = np.empty((gauss + 1, n))
+    solved = np.empty(ends)
+    for side in range(s):
+        for row in range(ends - 1, -1, -1):
+            value = matrix[row, ends + side]
+            for column in range(row + 1, ends):
+                value -= matrix[row, column] * solved[column]
+            solved[row] = value / matrix[row, row]
+        _substitute(pivots, chain, solved, k, side, y)
+        result[: y.size, side] = y.ravel()
+        result[y.size :, side] = solved[2 * n :]
+    return result, regular
+
+
+def solve(scheme: Scheme, system: LinearSystem, rhs: Array) -> Array:
+    """Solve ``mass y' - jacobian y - parameter_jacobian p = defects`` with boundary, integral and border conditions.
 
     Args:
         scheme: the collocation scheme.
-        system: the matrix; ``b + c = n + k`` conditions make it square.
-        defects: right-hand sides at the Gauss points, shape (N*m, n, s).
-        conditions: those of the boundary rows, then of the border rows, shape (b + c, s).
+        system: the matrix; ``b + c + r = n + f`` conditions make it square.
+        rhs: the defects at the Gauss points, row by row, then the conditions, shape (N*m*n + n + f, s).
 
     Returns:
-        The values, shape (s, N*m + 1, n), and the parameters, shape (s, k).
+        The values at all points, row by row, then the parameters, shape (N*m*n + n + f, s).
 
     Raises:
-        numpy.linalg.LinAlgError: the matrix is singular to working precision.
+        numpy.linalg.LinAlgError: the matrix is singular to working precision, or has entries that are not finite.
     """
-    n, k = system.parameter_jacobian.shape[1:]
-    extra = np.ascontiguousarray(np.concatenate((-system.parameter_jacobian, defects), axis=2))
-    pivots, chain, block, border = _condense(
-        scheme.derivatives, scheme.values, scheme.weights, system.h, system.jacobian, extra, system.borders, system.mass
-    )
-    ends = 2 * n + k
-    borders_from = ends - len(border)
-    matrix = np.empty((ends, ends))
-    matrix[:n] = block[:, :ends]
-    matrix[n:borders_from, :n], matrix[n:borders_from, n : 2 * n], matrix[n:borders_from, 2 * n :] = system.boundary
-    matrix[borders_from:] = border[:, :ends]
-    matrix[borders_from:, 2 * n :] += system.borders_p
-    known = np.empty((ends, defects.shape[2]))
-    known[:n] = block[:, ends:]
-    known[n:] = conditions
-    known[borders_from:] += border[:, ends:]
-    if not np.isfinite(matrix).all():
-        raise np.linalg.LinAlgError("the collocation matrix has entries that are not finite")
-    dense = np.linalg.solve(matrix, known).T
-    parameters = np.ascontiguousarray(dense[:, 2 * n :])
-    y = _substitute(pivots, chain, np.ascontiguousarray(dense[:, : 2 * n]), parameters, n, scheme.m)
-    return y, parameters
+    result, regular = _solve(scheme.derivatives, scheme.values, scheme.weights, system, rhs)
+    if not regular:
+        raise np.linalg.LinAlgError("the collocation matrix is singular or has entries that are not finite")
+    return result
 
 
 def transfer_pencil(scheme: Scheme, h: Array, jacobian: Array) -> tuple[Array, Array]:

@@ -208,7 +208,11 @@ def _located(
     try:
         point = segment.root(function, ends[0])
     except PathEnd:
-        return _Event(segment.length, kind, segment.last, converged=False, **what)
+        segment.refine()
+        try:
+            point = segment.root(function, ends[0])
+        except PathEnd:
+            return _Event(segment.length, kind, segment.last, converged=False, **what)
     s = point.problem.inner(segment.first.tangent, point.u - segment.first.u)
     return _Event(s, kind, point, **what)
 

@@ -13,6 +13,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from pearlbvp.continuation.interpolation import interpolate
 from pearlbvp.continuation.problem import Array, Problem
 from pearlbvp.newton import NewtonOptions, NewtonResult, newton
 
@@ -90,9 +91,15 @@ class PathEnd(ArithmeticError):
 
 
 def correct(
-    problem: Problem, guess: Array, direction: Array, base: Array, distance: float, options: NewtonOptions
+    problem: Problem,
+    guess: Array,
+    direction: Array,
+    base: Array,
+    distance: float,
+    options: NewtonOptions,
+    rate: float = 1e4,
 ) -> tuple[NewtonResult, Array]:
-    """Newton's method on ``residual(u) = 0, inner(direction, u - base) = distance``.
+    """Newton's method on ``residual(u) = 0, inner(direction, u - base) = distance``; ``rate`` as ``newton`` takes it.
 
     Returns:
         The result, and the unnormalised tangent ``t`` with ``inner(direction, t) = 1`` at the last iterate but one.
@@ -100,17 +107,21 @@ def correct(
     tangent = direction
 
     def residual(u: Array) -> Array:
-        return np.append(problem.residual(u), problem.inner(direction, u - base) - distance)
+        f = np.empty(u.size)
+        f[:-1] = problem.residual(u)
+        f[-1] = problem.inner(direction, u - base) - distance
+        return f
 
     def solve(u: Array, f: Array) -> Array:
         nonlocal tangent
-        both = np.column_stack((f, np.zeros_like(f)))
+        both = np.zeros((f.size, 2))
+        both[:, 0] = f
         both[-1, 1] = 1.0
         solution = problem.solve(u, both, direction)
         tangent = solution[:, 1]
         return solution[:, 0]
 
-    return newton(residual, solve, guess, options), tangent
+    return newton(residual, solve, guess, options, rate), tangent
 
 
 def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
@@ -125,18 +136,18 @@ def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
         PathEnd: the smallest step fails, or a new mesh does.
     """
     step, point = start.step or options.step, start
-    bend: Array | None = None  # derivative of the tangent by arclength, from the last two on the same mesh
+    past = {0.0: start.u}  # points on the same mesh by arclength, counted from the latest
+    rate = 1e4
     while True:
         problem, inner = point.problem, point.problem.inner
-        predicted = point.u + step * point.tangent
-        if bend is not None:
-            predicted += step**2 / 2 * bend
-        result, tangent = correct(problem, predicted, point.tangent, point.u, step, options.newton)
+        predicted = _predicted(point, past, step)
+        result, tangent = correct(problem, predicted, point.tangent, predicted, 0.0, options.newton, rate)
         if result.converged:
             tangent = tangent / math.sqrt(inner(tangent, tangent))
-            turn = math.degrees(math.acos(min(1.0, inner(tangent, point.tangent))))
             chord = result.u - point.u
-            kink = chord / math.sqrt(inner(chord, chord)) - (point.tangent + tangent) / 2
+            length = math.sqrt(inner(chord, chord))
+            turn = math.degrees(math.acos(min(1.0, inner(tangent, point.tangent))))
+            kink = chord / length - (point.tangent + tangent) / 2
             size = math.sqrt(inner(kink, kink))
         if not result.converged or turn > options.max_angle or size > LARGEST_KINK:
             why = result.message or f"the path turns by {turn:.0f} degrees, with a kink of {size:.2f}"
@@ -145,22 +156,40 @@ def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
                 raise PathEnd(f"the step fell below min_step = {options.min_step:g}: {why}")
             continue
         u = result.u
-        bend = (tangent - point.tangent) / step
+        if result.iterations > 1:
+            rate = SAFETY * result.rate
+        past = {s - length: before for s, before in past.items() if len(past) < ORDER or s > min(past)} | {0.0: u}
         moved = problem.remesh(u, tangent)
         if moved is not None:
             problem, (u, tangent) = moved
-            bend = None
             again, tangent = correct(problem, u, tangent, u, 0.0, options.newton)
             if not again.converged:
                 raise PathEnd(f"no convergence after remeshing: {again.message}")
             u = again.u
             tangent = tangent / math.sqrt(problem.inner(tangent, tangent))
+            past, rate = {0.0: u}, 1e4
         if result.iterations <= 4 and turn < options.max_angle / 2:
             step = min(2 * step, options.max_step)
         elif result.iterations >= 6:
             step = max(step / 2, options.min_step)
         point = Point(problem, u, tangent, problem.observables(u), result.iterations, step)
         yield point
+
+
+ORDER = 5
+"""Points that the predictor looks back on."""
+
+SAFETY = 10.0
+"""By how much the Jacobian may vary faster at the next point than here, for the corrector's first step to suffice."""
+
+
+def _predicted(point: Point[P], past: dict[float, Array], step: float) -> Array:
+    """The polynomial through past points with the latest one's tangent, a step beyond: ``u + s t + s^2 q(s)``."""
+    remainder = {s: (before - point.u - s * point.tangent) / s**2 for s, before in past.items() if s != 0}
+    predicted: Array = point.u + step * point.tangent
+    if remainder:
+        predicted += step**2 * interpolate(step, remainder)
+    return predicted
 
 
 def follow(start: Point[P], options: PathOptions, stop: Callable[[Point[P]], str | None]) -> Path[P]:

@@ -117,7 +117,7 @@ class PearlProblem:
             "lambda1": float(p[1]),
             "lambda2": float(p[2]),
             "v": float(p[5]),
-            "E": float(self.discretization.gauss_weights @ axisymmetric.energy_density(y, p)),
+            "E": float(d.gauss_weights @ axisymmetric.energy_density(y, p)),
             "amplitude": (widest - narrowest) / 2,
             "r_min": narrowest,
             "r_max": widest,
@@ -130,18 +130,20 @@ class PearlProblem:
 
         None if mesh and chart will do.
         """
-        size = abs(self.observables(u)["lambda1"])
+        d = self.discretization
+        chart_parameter = abs(d.all_parameters(u)[1])
+        size = 1 / max(chart_parameter, 1e-300) if self.large_tension else chart_parameter
         if self.half and (size > LARGE_TENSION if not self.large_tension else size < SMALL_TENSION):
             changed, moved = self.change_chart(not self.large_tension, u, *others)
             return changed.remesh(*moved) or (changed, moved)
-        polynomial = self.discretization.polynomial(u)
+        polynomial = d.polynomial(u)
         error = float(error_estimate(polynomial).max())
         if error <= self.tolerance:
             return None
-        intervals = max(intervals_for(polynomial, self.tolerance / 10), len(self.discretization.h))
-        intervals = min(intervals, 2 * len(self.discretization.h) + 4)
+        intervals = max(intervals_for(polynomial, self.tolerance / 10), len(d.h))
+        intervals = min(intervals, 2 * len(d.h) + 4)
         mesh = equidistribute(polynomial, intervals)
-        discretization, moved = self.discretization.on_mesh(mesh, u, *others)
+        discretization, moved = d.on_mesh(mesh, u, *others)
         return replace(self, discretization=discretization), moved
 
     def adopt(self, other: PearlProblem, u: Array) -> Array:

@@ -50,6 +50,13 @@ def our_points(degree: int = 6, intervals: int = 8, count: int = 40, step: float
     return follow(start, options, lambda point: None).points
 
 
+def our_point(degree: int, intervals: int) -> tuple[float, float]:
+    """Seconds a continuation point, between the 40th and the 120th, and the error in ``lambda2`` of the 20th."""
+    short, long = (best(lambda n=count: our_points(degree, intervals, n)) for count in (40, 120))  # type: ignore[misc]
+    middle = our_points(degree, intervals)[20].observables
+    return (long - short) / 80, abs(middle["lambda2"] - exact_lambda2(middle["v"]))
+
+
 def exact_lambda2(v: float) -> float:
     """``lambda2`` of the pearl of period 7.5 at a volume, on 40 intervals of degree 7."""
     problem, u, tangent = pearling_onset(Tube(0.48, 7.5), degree=7, intervals=40, tolerance=1.0)
@@ -93,21 +100,23 @@ def scipy_point() -> None:
         raise SystemExit(f"solve_bvp failed: {solved.message}")
 
 
-def auto_seconds(folder: Path, points: int, intervals: int) -> float:
+def auto_seconds(folder: Path, points: int, intervals: int, threads: int) -> float:
     """Wall time of AUTO-07p's executable for a number of points."""
     constants = (folder / "c.pearl").read_text().replace("NMX = 40", f"NMX = {points}")
     (folder / "fort.2").write_text(constants.replace("NTST = 10", f"NTST = {intervals}"))
     start = time.perf_counter()
-    done = subprocess.run([folder / "pearl.exe"], cwd=folder, capture_output=True, text=True, check=False)
+    threaded = {**os.environ, "OMP_NUM_THREADS": str(threads)}
+    done = subprocess.run([folder / "pearl.exe"], cwd=folder, capture_output=True, text=True, check=False, env=threaded)
     if done.returncode or "MX" in done.stdout or "NaN" in done.stdout:
         raise SystemExit(f"AUTO-07p failed: {done.stdout}{done.stderr}")
     return time.perf_counter() - start
 
 
-def auto_point() -> dict[int, tuple[float, float]] | None:
-    """Seconds a point of AUTO-07p (start-up taken off) and its error in ``lambda2``, by number of intervals.
+def auto_point() -> dict[int, tuple[float, float, float]] | None:
+    """Seconds a point of AUTO-07p on one thread and on two (start-up taken off), and its error in ``lambda2``.
 
-    None where AUTO-07p is not installed.
+    By number of intervals; None where AUTO-07p is not installed. The error is that of the 20th point, from the eleven
+    digits of ``fort.8``: ``fort.7`` has too few of ``v``.
     """
     if shutil.which("gfortran") is None or not AUTO.is_dir():
         return None
@@ -129,11 +138,16 @@ def auto_point() -> dict[int, tuple[float, float]] | None:
         ]
         subprocess.run(compiler, cwd=folder, check=True)
         result = {}
-        for intervals in (5, 10, 20, 50):
-            short, long = (min(auto_seconds(folder, points, intervals) for _ in range(7)) for points in (40, 440))
-            auto_seconds(folder, 40, intervals)
-            row = [line.split() for line in (folder / "fort.7").read_text().splitlines() if line.split()[0] == "1"][20]
-            result[intervals] = (long - short) / 400, abs(float(row[4]) - exact_lambda2(float(row[-1])))
+        for intervals in (5, 10, 15, 20, 30, 50):
+            seconds = []
+            for threads in (1, 2):
+                short, long = (
+                    min(auto_seconds(folder, points, intervals, threads) for _ in range(7)) for points in (40, 440)
+                )
+                seconds.append((long - short) / 400)
+            auto_seconds(folder, 20, intervals, 1)
+            parameters = np.fromstring(" ".join((folder / "fort.8").read_text().splitlines()[-6:]), sep=" ")
+            result[intervals] = (*seconds, abs(parameters[0] - exact_lambda2(parameters[3])))
         return result
 
 
@@ -145,22 +159,22 @@ def main() -> None:
     many = [7.5 * n for n in range(2, 202)]
     print(f"the same for 200 lengths             {1e3 * best(lambda: localized_pearls(0.48, 7.5, many)):8.1f} ms")
     print(f"L = 600, period 600/81               {1e3 * best(lambda: localized_pearls(0.48, 600 / 81, [600])):8.1f} ms")
-    for degree, intervals in ((4, 8), (6, 6), (6, 8)):
-        seconds = best(lambda m=degree, n=intervals: our_points(m, n)) / 40
-        middle = our_points(degree, intervals)[20].observables
-        error = abs(middle["lambda2"] - exact_lambda2(middle["v"]))
-        print(
-            f"point, {intervals} intervals of degree {degree}     {1e3 * seconds:8.2f} ms   error in lambda2 {error:.0e}"
-        )
     print(f"scipy.solve_bvp, one point           {1e3 * best(scipy_point, 5):8.1f} ms")
+    print("continuation point                            ms   error in lambda2   AUTO-07p's time / ours at that error")
     auto = auto_point()
-    if auto is None:
-        print("AUTO-07p                             not installed here")
-    else:
-        for intervals, (seconds, error) in auto.items():
-            print(
-                f"AUTO-07p, point, NTST = {intervals:<3d}          {1e3 * seconds:8.2f} ms   error in lambda2 {error:.0e}"
-            )
+    for degree, intervals in ((4, 6), (5, 4), (5, 6), (6, 3), (6, 4), (6, 6), (7, 4)):
+        seconds, error = our_point(degree, intervals)
+        ratio = "AUTO-07p is not installed here"
+        if auto is not None:
+            errors, *times = zip(*sorted((error, one, two) for one, two, error in auto.values()), strict=True)
+            one, two = (np.exp(np.interp(np.log(error), np.log(errors), np.log(t))) for t in times)
+            bound = " (its best error)" if error < errors[0] else ""
+            ratio = f"{one / seconds:.2f} on one thread, {two / seconds:.2f} on two{bound}"
+        print(
+            f"{intervals} intervals of degree {degree}            {1e3 * seconds:11.3f}            {error:.0e}   {ratio}"
+        )
+    for intervals, (one, two, error) in (auto or {}).items():
+        print(f"AUTO-07p, NTST = {intervals:<3d}  {1e3 * one:14.3f} (two threads {1e3 * two:.3f})   {error:.0e}")
     command = [
         sys.executable,
         "-m",
