@@ -208,11 +208,7 @@ def _located(
     try:
         point = segment.root(function, ends[0])
     except PathEnd:
-        segment.refine()
-        try:
-            point = segment.root(function, ends[0])
-        except PathEnd:
-            return _Event(segment.length, kind, segment.last, converged=False, **what)
+        return _Event(segment.length, kind, segment.last, converged=False, **what)
     s = point.problem.inner(segment.first.tangent, point.u - segment.first.u)
     return _Event(s, kind, point, **what)
 
@@ -276,7 +272,7 @@ def _events(first: BranchPoint[P], last: BranchPoint[P], folds: Sequence[str], a
             events.append(_located(segment, f"fold:{name}", lambda p, n=name: slope(p, n), ends))  # type: ignore[misc]
     crossings = _crossing_rates(first.spectrum, last.spectrum, 1e-6 if at_start else 0.0)
     if any(block == problem.own_block for block, *_ in crossings):
-        segment.refine()
+        segment.refine(segment.length / 2)
     own = [crossing for crossing in crossings if crossing[0] == problem.own_block]
     turn = next((event for event in events if event.kind == f"fold:{problem.conserved}"), None)
     if turn is not None and turn.converged and not own and _is_symmetric(turn, last):

@@ -10,10 +10,14 @@ from typing import Generic
 
 import numpy as np
 
+from pearlbvp.continuation.crossing import correct_beside
 from pearlbvp.continuation.interpolation import interpolate
 from pearlbvp.continuation.path import P, PathEnd, Point, correct
 from pearlbvp.continuation.problem import Array
 from pearlbvp.newton import NewtonOptions
+
+BESIDE = 1e-9
+"""Largest residual of a solution beside a branch point."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +50,11 @@ class Segment(Generic[P]):
     def point(self, s: float) -> Point[P]:
         """The solution at arclength ``s``, on the first point's mesh.
 
-        Where the corrector fails, as it does beside a branch point of the problem itself, a guess that solves the
-        equations to 1e-7 is taken for the solution.
+        Where Newton's method fails, as it does beside a branch point of the problem itself, points about it tell how the
+        path goes on across the null vector there (``refine``).
 
         Raises:
-            PathEnd: there is no solution, or no such guess.
+            PathEnd: there is no solution, or no such points are known.
         """
         if s == 0:
             return self.first
@@ -60,9 +64,9 @@ class Segment(Generic[P]):
             result, direction = correct(problem, guess, tangent, base, s, NewtonOptions(max_iterations=10))
             u = result.u
             if not result.converged:
-                if not self._nodes or np.abs(problem.residual(guess)).max() > 1e-7:
+                u, direction = self._beside(guess), tangent
+                if not np.abs(problem.residual(u)).max() < BESIDE:
                     raise PathEnd(f"no solution between two points of the path: {result.message}; take shorter steps")
-                u, direction = guess, tangent
             else:  # exactly here, not at the last iterate but one
                 unit = np.zeros(u.size)
                 unit[-1] = 1.0
@@ -72,12 +76,22 @@ class Segment(Generic[P]):
             self._known[s] = Point(problem, u, direction, problem.observables(u), result.iterations)
         return self._known[s]
 
-    def refine(self) -> None:
-        """Compute some points within, as far as the corrector allows, to interpolate through where it does not."""
+    def _beside(self, guess: Array) -> Array:
+        """The guess corrected in all but the null vector's direction, where enough points about it are known."""
+        if self._nodes:
+            with suppress(np.linalg.LinAlgError):
+                return correct_beside(self.first.problem, guess, self.first.tangent)
+        return guess
+
+    def refine(self, around: float) -> None:
+        """Compute points about an arclength, ever denser, to interpolate through where the corrector fails."""
         nodes = {0.0: self.first.u}
-        for fraction in (1.0, 0.15, 0.3, 0.7, 0.85, 0.5):
-            with suppress(PathEnd):
-                nodes[fraction * self.length] = self.point(fraction * self.length).u
+        for distance in (1.0, 0.4, 0.15, 0.05):
+            for s in (around - distance * self.length, around + distance * self.length):
+                if 0 < s <= self.length or distance == 1.0:
+                    s = min(max(s, 0.0), self.length)
+                    with suppress(PathEnd):
+                        nodes[s] = self.point(s).u
         if len(nodes) > 4:
             self._nodes.update(nodes)
 
@@ -94,7 +108,13 @@ class Segment(Generic[P]):
         from scipy.optimize import brentq  # a fifth of a second to import, and only this needs it
 
         def value(s: float) -> float:
-            return at_first if s == 0 else function(self.point(s))
+            if s == 0:
+                return at_first
+            try:
+                return function(self.point(s))
+            except PathEnd:
+                self.refine(s)
+                return function(self.point(s))
 
         # The value at the last point is that on the last point's mesh: compute it on this one.
         if value(self.length) * at_first > 0:

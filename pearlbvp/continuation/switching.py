@@ -12,28 +12,10 @@ from typing import Any, TypeVar
 import numpy as np
 
 from pearlbvp.continuation.branch import Branch, BranchOptions, SpecialPoint, continue_branch, start_point
+from pearlbvp.continuation.crossing import crossing_direction
 from pearlbvp.continuation.problem import Array, Problem
 
 P = TypeVar("P", bound=Problem)
-
-
-def crossing_direction(problem: Problem, u: Array, tangent: Array, seed: int = 0) -> Array:
-    """Unit tangent of the branch that crosses the one with ``tangent`` at a simple branch point ``u``.
-
-    There the Jacobian bordered by the tangent is singular (to the accuracy with which ``u`` is known), so its solution
-    for any right-hand side points along its null vector: inverse iteration needs one step.
-
-    Raises:
-        numpy.linalg.LinAlgError: it is singular exactly, twice with different perturbations of ``u``.
-    """
-    rng = np.random.default_rng(seed)
-    load = rng.standard_normal(u.size)
-    try:
-        direction = problem.solve(u, load, tangent)
-    except np.linalg.LinAlgError:
-        direction = problem.solve(u + 1e-12 * tangent, load, tangent)
-    direction -= problem.inner(tangent, direction) / problem.inner(tangent, tangent) * tangent
-    return direction / math.sqrt(problem.inner(direction, direction))
 
 
 def tangent_along(problem: Problem, u: Array, direction: Array) -> Array:
