@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).parents[1] / "pearlbvp"
-ROOMS = ["cli", "figures", "studies", "shapes", "stability", "theory", "continuation", "collocation"]
+ROOMS = ["cli", "commands", "figures", "studies", "shapes", "stability", "theory", "continuation", "collocation"]
 NOTHING_OF = {
     "continuation": {"collocation", "theory", "helfrich"},
     "collocation": {"theory", "helfrich"},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -11,11 +12,15 @@ import pandas as pd
 from pearlbvp.errors import InputError
 
 
-def read_reference(path: str | os.PathLike[str]) -> pd.DataFrame:
+def read_reference(path: str | os.PathLike[str], columns: Sequence[str] | None = None) -> pd.DataFrame:
     """A CSV file with a header, all of numbers; lines that begin with ``#`` are comments.
 
+    Args:
+        path: of the file.
+        columns: those that are wanted; others are not looked at, and may be of words.
+
     Raises:
-        InputError: it cannot be read, or a line is not of as many numbers as the header has names.
+        InputError: it cannot be read, a line is not of as many numbers as the header has names, or a column is missing.
     """
     try:
         with open(path, newline="", encoding="utf-8") as file:
@@ -29,7 +34,11 @@ def read_reference(path: str | os.PathLike[str]) -> pd.DataFrame:
     for row in rows:
         if len(row) != len(header):
             raise InputError(f"compare: {path} has {len(header)} columns but a row of {len(row)}: {','.join(row)}")
-    return pd.DataFrame({name: [_number(path, row[i]) for row in rows] for i, name in enumerate(header)})
+    missing = [name for name in columns or () if name not in header]
+    if missing:
+        raise InputError(f"compare: {path} has no column {', '.join(missing)}; its columns are {', '.join(header)}")
+    chosen = [(i, name) for i, name in enumerate(header) if columns is None or name in columns]
+    return pd.DataFrame({name: [_number(path, row[i]) for row in rows] for i, name in chosen})
 
 
 def _number(path: str | os.PathLike[str], text: str) -> float:

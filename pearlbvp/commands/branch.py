@@ -1,0 +1,207 @@
+"""``pearlbvp branch``."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pearlbvp.commands.arguments import ModeNumbers, Number, Numbers, SpecialKind, Until
+from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, check_outputs, outputs, radius_option, write
+from pearlbvp.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@click.command(
+    epilog="Examples:  pearlbvp branch pearl --c0 0 --length 10 --until v=1.3 --save b.h5 --plot b.png  |  "
+    "pearlbvp branch pearl --resume b.h5 --until v=1.34  |  "
+    "pearlbvp branch pearl --resume b.h5 --switch 1 --centre neck --until v=1.2  |  "
+    "pearlbvp branch pearl --c0 0.75 --length 10 --shape=-0.3,0.5 --volume 1.0 --until v=1.1"
+)
+@click.argument("family", type=click.Choice(["pearl"]))
+@click.option("--c0", type=Number(), help="Spontaneous curvature.")
+@click.option("--length", type=Number(), metavar="L", help="Axial period of the tube.")
+@click.option("--mode", type=ModeNumbers(), default="1,0", show_default=True, help="Waves along and around the tube.")
+@click.option(
+    "--shape",
+    type=Numbers(),
+    metavar="A1,A2,..",
+    help="Start from the shape of least energy near r = 1 + sum of A_k cos(2 pi k x / L), at --volume.",
+)
+@click.option("--volume", type=Number(), help="With --shape: its reduced volume.")
+@click.option(
+    "--cells",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    help="With --shape: periods on the tube that stability is judged on; L is that of one.",
+)
+@click.option("--until", type=Until(), multiple=True, help="Stop exactly there; the first reached counts.")
+@click.option(
+    "--max-points", type=click.IntRange(min=2), default=200, show_default=True, help="End after so many more."
+)
+@click.option("--step", type=Number(), help="First step along the branch.  [default: 0.1, or the largest]")
+@click.option("--max-step", type=Number(), default=0.5, show_default=True, help="Largest step along the branch.")
+@click.option("--tolerance", type=Number(), default=1e-9, show_default=True, help="Error of the profile.")
+@click.option("--pressure", is_flag=True, help="Stability at fixed area and given pressure, not fixed volume.")
+@click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the whole branch.")
+@click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved branch.")
+@click.option("--switch", type=int, metavar="K", help="With --resume: follow the branch at its K-th bp instead.")
+@click.option("--centre", type=click.Choice(["pearl", "neck"]), default="pearl", show_default=True,
+              help="With --switch: what the new shapes are centred on.")  # fmt: skip
+@click.option("--vary", type=click.Choice(["c0", "L"]), help="With --resume: vary this from a point on, at fixed v.")
+@click.option(
+    "--follow",
+    type=SpecialKind(),
+    metavar="KIND:K",
+    help="With --vary: follow this fold or branch point (fold:v:1, bp:2) instead, in both parameters.",
+)
+@click.option(
+    "--keep", type=click.Choice(["v", "lambda2"]), default="v", show_default=True, help="With --vary: what stays."
+)
+@click.option("--point", type=int, default=-1, help="With --vary: from which point.  [default: the last]")
+@click.option("--down", is_flag=True, help="With --vary: towards smaller values.")
+@click.option("--shrink", is_flag=True, help="With --switch: the half on which the tube shrinks at its centre.")
+@outputs
+@radius_option
+def branch(
+    family: str,
+    c0: float | None,
+    length: float | None,
+    mode: tuple[int, int],
+    shape: list[float] | None,
+    volume: float | None,
+    cells: int,
+    until: tuple[tuple[str, float], ...],
+    max_points: int,
+    step: float | None,
+    max_step: float,
+    tolerance: float,
+    pressure: bool,
+    save: Path | None,
+    resume: Path | None,
+    switch: int | None,
+    centre: str,
+    vary: str | None,
+    follow: tuple[str, int] | None,
+    keep: str,
+    point: int,
+    down: bool,
+    shrink: bool,
+    out: Path | None,
+    plot: Path | None,
+    radius: float,
+) -> int:
+    """Follow a branch of shapes, with its special points and the stability of every point.
+
+    Columns: point, special (start, bp, fold:NAME, cmc, stop, end), lambda1, lambda2, v, E, amplitude, r_min,
+    r_max, n_unstable, mu_crit (largest growth rate over all perturbations that fit the tube), critical (its n,
+    and its wave number j per periods on the tube), c0, L.
+    """
+    from pearlbvp.files import writable
+    from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius
+
+    out, plot = check_outputs(out, plot)
+    save = None if save is None else writable("--save", save)
+    if resume is None and (c0 is None or length is None):
+        raise InputError("--c0, --length: give both, or --resume a saved branch")
+    if resume is not None and (c0 is not None or length is not None):
+        raise InputError("--resume: the saved branch has its own c0 and length; leave --c0 and --length out")
+    if (switch is not None or vary is not None) and resume is None:
+        raise InputError("--switch, --vary: they need --resume, the saved branch that they start from")
+    if follow is not None and save is not None:
+        raise InputError("--save: a curve in two parameters cannot be saved; write its table with --out")
+    if switch is not None and vary is not None:
+        raise InputError("--switch, --vary: choose one of them")
+    if (shape is None) != (volume is None) or (shape is not None and resume is not None):
+        raise InputError("--shape, --volume: give both, with --c0 and --length and without --resume")
+    given = _given(click.get_current_context())
+    for needed, options_of_it in _BRANCH_OPTIONS.items():
+        unused = sorted(given & options_of_it)
+        if needed not in given and unused:
+            raise InputError(f"--{unused[0]}: it goes with --{needed}; give that too, or leave it out")
+    unused = sorted(given & {"mode", "tolerance", "pressure"})
+    if resume is not None and unused:
+        raise InputError(f"--{unused[0]}: the saved branch has its own; leave it out")
+    if mode[1] != 0:
+        raise InputError(f"--mode: pearls have n = 0, so {mode[0]},{mode[1]} is none of them; give {max(mode[0], 1)},0")
+    from tqdm import tqdm
+
+    from pearlbvp.studies import branch as study
+
+    wanted = {name: value / radius ** LENGTH_POWER.get(name, 0) for name, value in until}
+    with tqdm(unit="point", disable=None) as bar:
+        checkpoint = _Checkpoint(save)
+
+        def progress(so_far: Any) -> None:
+            bar.set_postfix(v=f"{so_far.points[-1].observables['v']:.5f}", refresh=False)
+            bar.update(len(so_far.points) - bar.n)
+            checkpoint(so_far)
+
+        options = study.branch_options(wanted, max_points=max_points, step=step, max_step=max_step, progress=progress)
+        fixed: Any = "area" if pressure else "area and volume"
+        if shape is not None:
+            tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
+            scaled = [amplitude / radius for amplitude in shape]
+            found = study.shape_branch(
+                tube.c0, tube.length, volume or 0, scaled, options, cells=cells, tolerance=tolerance, fixed=fixed
+            )
+        elif resume is None:
+            tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
+            found = study.pearl_branch(tube.c0, tube.length, mode[0], options, tolerance=tolerance, fixed=fixed)
+        elif vary is not None and follow is not None:
+            found = study.followed(study.load(resume), *follow, vary, options, upwards=not down)  # type: ignore[assignment]
+        elif vary is not None:
+            found = study.varied(study.load(resume), point, vary, options, keep=keep, upwards=not down)
+        elif switch is None:
+            found = study.resumed(study.load(resume), options)
+        else:
+            found = study.switched(study.load(resume), switch, options, centre=centre, grow=not shrink)  # type: ignore[arg-type]
+    table = in_units_of_radius(found.table()[study.COLUMNS], radius)
+    if save is not None:
+        study.save(found, save)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.branch import draw_branch
+
+        return draw_branch(found, table)
+
+    write(table, out, plot, draw)
+    if not found.complete:
+        print(f"pearlbvp: the branch ends: {found.reason}", file=sys.stderr)
+    if found.reason == "interrupted":
+        return INTERRUPTED
+    return SOME_FAILED if wanted and not found.complete else DONE
+
+
+_BRANCH_OPTIONS = {
+    "vary": {"keep", "point", "down", "follow"},
+    "switch": {"centre", "shrink"},
+    "shape": {"cells"},
+}
+"""Options of ``branch`` that say nothing without another."""
+
+
+def _given(context: click.Context) -> set[str]:
+    """Names of the options that stand on the command line."""
+    source = click.core.ParameterSource.COMMANDLINE
+    return {name for name in context.params if context.get_parameter_source(name) == source}
+
+
+class _Checkpoint:
+    """Saves the branch so far now and then, so that a run that is killed keeps its points."""
+
+    def __init__(self, path: Path | None, seconds: float = 2.0) -> None:
+        self.path, self.seconds, self.last = path, seconds, time.monotonic()
+
+    def __call__(self, branch: Any) -> None:
+        if self.path is not None and time.monotonic() - self.last > self.seconds:
+            from pearlbvp.studies.branch import save
+
+            save(branch, self.path)
+            self.last = time.monotonic()

@@ -1,0 +1,45 @@
+"""``pearlbvp dispersion``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pearlbvp.commands.arguments import Number
+from pearlbvp.commands.output import check_outputs, outputs, radius_option, write
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@click.command(epilog="Example:  pearlbvp dispersion --c0 0.48 --length 30")
+@click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
+@click.option("--length", type=Number(), required=True, metavar="L", help="Axial period of the tube.")
+@click.option("--max-m", type=int, help="Most waves along the tube.  [default: all pearls with k < 1 and two more]")
+@click.option("--max-n", type=int, default=4, show_default=True, help="Most waves around the tube.")
+@outputs
+@radius_option
+def dispersion(
+    c0: float, length: float, max_m: int | None, max_n: int, out: Path | None, plot: Path | None, radius: float
+) -> int:
+    """Branch points of the straight tube, and which of them end its stable interval.
+
+    Columns: m, n (waves along and around), k, type, lambda2, lambda1, kernel (its dimension without
+    translations), role (lower or upper: the ends of the interval in which the tube is stable).
+    """
+    from pearlbvp.helfrich import Tube, in_units_of_radius
+    from pearlbvp.studies.dispersion import branch_points, instability_curves
+
+    out, plot = check_outputs(out, plot)
+    tube = Tube.from_dimensional(c0, length, radius)
+    table = branch_points(tube.c0, tube.length, max_m, max_n)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.dispersion import draw_dispersion
+
+        curves = instability_curves(tube.c0, max(1.6, float(table["k"].max())), int(table["n"].max()))
+        return draw_dispersion(table, curves, f"c0 = {tube.c0:g}, L = {tube.length:g}")
+
+    return write(in_units_of_radius(table, radius), out, plot, draw)

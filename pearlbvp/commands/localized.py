@@ -1,0 +1,67 @@
+"""``pearlbvp localized``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pearlbvp.commands.arguments import Number, Numbers
+from pearlbvp.commands.output import check_outputs, computed_aside, outputs, radius_option, write
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@click.command(
+    epilog="Example:  pearlbvp localized --c0 0.48 --period 7.5 --lengths 15,30,45,60 --out t.csv --plot t.png"
+)
+@click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
+@click.option("--period", type=Number(), required=True, metavar="P", help="Axial period of the pearls, above 2 pi.")
+@click.option("--lengths", type=Numbers(), required=True, help="Tube lengths, multiples of the period.")
+@click.option("--compare", type=click.Path(path_type=Path), metavar="FILE.csv",
+              help="Put this table's columns beside the rows that agree in c0, period and L; v_... is drawn too.")  # fmt: skip
+@outputs
+@radius_option
+def localized(
+    c0: float,
+    period: float,
+    lengths: list[float],
+    compare: Path | None,
+    out: Path | None,
+    plot: Path | None,
+    radius: float,
+) -> int:
+    """Where periodic pearls give way to one localized pearl, for many lengths at once.
+
+    Columns: c0, period, L, pearls, status, lambda1, lambda2, v, E, amplitude, message. Status is found,
+    unstable_at_onset, none_in_range, no_stable_cylinder or failed.
+    """
+    from pearlbvp.helfrich import Tube, in_units_of_radius, positive
+
+    out, plot = check_outputs(out, plot)
+    tube = Tube.from_dimensional(c0, positive("--period", period), positive("--radius", radius))
+    reference = None
+    if compare is not None:
+        from pearlbvp.studies.reference import read_reference
+
+        reference = read_reference(compare)
+    rows = computed_aside(
+        "pearlbvp.studies.localized", "localized_rows", tube.c0, tube.length, [length / radius for length in lengths],
+        figures="pearlbvp.figures.localized" if plot else None,
+    )  # fmt: skip
+    import pandas as pd
+
+    table = in_units_of_radius(pd.DataFrame(rows), radius)
+    if reference is not None:
+        from pearlbvp.studies.reference import beside
+
+        table = beside(table, reference)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.localized import draw_localized
+
+        return draw_localized(table)
+
+    return write(table, out, plot, draw)

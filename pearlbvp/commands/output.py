@@ -1,0 +1,99 @@
+"""What all commands share: options for tables and pictures, writing them, exit status."""
+
+from __future__ import annotations
+
+import importlib
+import multiprocessing
+import sys
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pearlbvp.commands.arguments import Number
+from pearlbvp.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+DONE, SOME_FAILED, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
+"""Exit status."""
+
+
+def outputs(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options that all commands with a table share."""
+    for decorate in (
+        click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw a picture."),
+        click.option("--out", type=click.Path(path_type=Path), metavar="FILE.csv",
+                     help="Write the table there instead of on standard output."),
+    ):  # fmt: skip
+        command = decorate(command)
+    return command
+
+
+radius_option = click.option(
+    "--radius", type=Number(), default=1.0, show_default=True, metavar="R",
+    help="Radius of the straight tube, in the unit of all lengths given and written.",
+)  # fmt: skip
+"""For commands whose columns all have a dimension that is a power of length."""
+
+
+def write_table(option: str, path: Path, table: pd.DataFrame) -> None:
+    """Write a table as CSV, beside its name and renamed; ``option`` is what an error names."""
+    from pearlbvp.files import write_whole
+
+    write_whole(option, path, lambda beside: table.to_csv(beside, index=False, float_format="%.12g"))
+
+
+def _call(module: str, name: str, arguments: tuple[Any, ...]) -> Any:
+    return getattr(importlib.import_module(module), name)(*arguments)
+
+
+def computed_aside(module: str, name: str, *arguments: Any, figures: str | None) -> Any:
+    """The result of a study's function, from a second process, while this one loads pandas and matplotlib.
+
+    Loading compiled code and loading the libraries for tables and pictures take about a second each.
+    """
+    method = "fork" if sys.platform.startswith("linux") else None  # elsewhere forking is not safe
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(method)) as pool:
+        future = pool.submit(_call, module, name, arguments)
+        importlib.import_module("pandas")
+        if figures is not None:
+            importlib.import_module(figures)
+        return future.result()
+
+
+def check_outputs(out: Path | None, plot: Path | None) -> tuple[Path | None, Path | None]:
+    """Where table and picture are written, links resolved, before anything is computed for them."""
+    from pearlbvp.files import writable
+
+    out = None if out is None else writable("--out", out)
+    plot = None if plot is None else writable("--plot", plot)
+    if out is not None and out == plot and (out.is_file() or not out.exists()):
+        raise InputError(f"--plot: {plot} is the table's file already; give the picture another name")
+    return out, plot
+
+
+def write(table: pd.DataFrame, out: Path | None, plot: Path | None, draw: Callable[[], Figure]) -> int:
+    """Write table and picture; the exit status says whether some rows failed."""
+    if out is None:
+        sys.stdout.write(table.to_csv(index=False, float_format="%.12g"))
+        sys.stdout.flush()
+    else:
+        write_table("--out", out, table)
+    if plot is not None:
+        from pearlbvp.figures.canvas import save_png
+        from pearlbvp.files import write_whole
+
+        figure = draw()
+        write_whole("--plot", plot, lambda path: save_png(figure, path))
+    failed = 0
+    for column in ("status", "localized_status"):
+        if column in table:
+            failed = max(failed, int((table[column] == "failed").sum()))
+    if failed:
+        print(f"pearlbvp: {failed} of {len(table)} rows failed; the message column says why", file=sys.stderr)
+    return SOME_FAILED if failed else DONE

@@ -1,0 +1,56 @@
+"""``pearlbvp period``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pearlbvp.commands.arguments import Number, Numbers
+from pearlbvp.commands.output import INTERRUPTED, check_outputs, outputs, radius_option, write
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@click.command(epilog="Example:  pearlbvp period --c0 0.48 --lengths 7.5:120:0.5 --out p.csv --plot p.png")
+@click.option("--c0", type=Numbers(), required=True, help="Spontaneous curvature, one or several.")
+@click.option("--lengths", type=Numbers(), required=True, help="Tube lengths.")
+@click.option(
+    "--volume", type=Number(), help="Find the number of equal pearls of least energy at this reduced volume, too."
+)
+@click.option("--processes", type=click.IntRange(min=1), help="How many to use.  [default: one a core]")
+@outputs
+@radius_option
+def period(
+    c0: list[float],
+    lengths: list[float],
+    volume: float | None,
+    processes: int | None,
+    out: Path | None,
+    plot: Path | None,
+    radius: float,
+) -> int:
+    """The pearl period that appears on a tube, its stable range, and where a localized pearl takes over.
+
+    Columns: c0, L, pearls, period, k, status, lambda2_pearl and lambda2_upper (ends of the straight tube's
+    stable interval), upper_mode (m:n), v_localized, localized_status, message.
+    """
+    from pearlbvp.helfrich import Tube, in_units_of_radius
+    from pearlbvp.studies.period import pearl_periods
+
+    out, plot = check_outputs(out, plot)
+    scaled = [[Tube.from_dimensional(value, length, radius) for length in lengths] for value in c0]
+    table = pearl_periods(
+        [tubes[0].c0 for tubes in scaled], [tube.length for tube in scaled[0]], v=volume, processes=processes
+    )
+    table = in_units_of_radius(table, radius)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.period import draw_periods
+
+        return draw_periods(table)
+
+    status = write(table, out, plot, draw)
+    return INTERRUPTED if len(table) < len(c0) * len(lengths) else status

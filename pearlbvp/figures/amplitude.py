@@ -1,0 +1,97 @@
+"""Pictures of amplitude equations: predicted branches over computed ones, and maps of instabilities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+
+from pearlbvp.figures.branch import draw_curve
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+
+
+def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFrame | None, title: str = "") -> Figure:
+    """Energy and pressure over the volume: predicted branches as lines, a computed one as points.
+
+    Args:
+        predicted: tables of predicted branches by name.
+        computed: table of a computed one, drawn as far as the predictions go.
+        title: of the picture.
+    """
+    figure, (left, right) = new_figure(1, 2, width=9.5)
+    for i, (name, table) in enumerate(predicted.items()):
+        colour = COLOURS[i % len(COLOURS)]
+        draw_curve(left, table, "v", "E", colour, f"{name}, predicted")
+        draw_curve(right, table, "v", "lambda2", colour)
+    if computed is not None:
+        volumes = np.concatenate([table["v"].to_numpy(float) for table in predicted.values()])
+        near = computed[computed["v"].between(volumes.min(), volumes.max())]
+        left.plot(near["v"], near["E"], ".", color="black", label="computed")
+        right.plot(near["v"], near["lambda2"], ".", color="black")
+    dress(left, "reduced volume v", "energy by area E/A", title)
+    dress(right, "reduced volume v", "pressure lambda2", "dashed: unstable at fixed area and volume")
+    left.legend(frameon=False, fontsize="small")
+    return figure
+
+
+def draw_map(table: pd.DataFrame, exchange: pd.DataFrame) -> Figure:
+    """Which mode destabilizes the tube over ``c0`` and ``L``, at the lower and the upper end of its stable interval.
+
+    Args:
+        table: from ``studies.amplitude.instability_map``, on a full grid.
+        exchange: from ``studies.amplitude.exchange_curve``: where coils and buckles exchange stability.
+    """
+    figure, (left, right) = new_figure(1, 2, width=10.5, height=4.6)
+    lower = table["lower_mode"] + np.where(table["lower_criticality"] == "subcritical", " sub", "")
+    _draw_cells(left, table, lower)
+    dress(
+        left, "spontaneous curvature c0", "length L (radii)", "lower end: mode m:n that destabilizes (sub: subcritical)"
+    )
+    upper = table["upper_mode"] + " " + table["stable"]
+    _draw_cells(right, table, upper)
+    visible = exchange[exchange["L"].between(table["L"].min(), table["L"].max())]
+    right.plot(visible["c0"], visible["L"], "k.", markersize=3, label="coils and buckles (1,1) exchange stability")
+    if len(visible):
+        right.legend(frameon=False, fontsize="x-small", loc="upper left", bbox_to_anchor=(0, -0.12))
+    dress(right, "spontaneous curvature c0", "", "upper end: mode m:n, and the family stable at onset")
+    return figure
+
+
+def _draw_cells(axes: Axes, table: pd.DataFrame, words: pd.Series) -> None:
+    """A grid coloured by a word for each cell, with the word written in the middle of its region."""
+    grid = pd.DataFrame({"c0": table["c0"], "L": table["L"], "word": words.str.strip()})
+    names = [name for name in grid["word"].value_counts().index if name]
+    cells = grid.pivot(index="L", columns="c0", values="word")
+    codes = np.array([[names.index(word) if word in names else np.nan for word in row] for row in cells.to_numpy()])
+    palette = [
+        "#cfe2f3",
+        "#fce5cd",
+        "#d9ead3",
+        "#ead1dc",
+        "#fff2cc",
+        "#e0e0e0",
+        "#b4c7dc",
+        "#f4b183",
+        "#a9d08e",
+        "#d5a6bd",
+    ]
+    colours = [palette[i % len(palette)] for i in range(max(len(names), 1))]
+    axes.pcolormesh(
+        cells.columns,
+        cells.index,
+        codes,
+        cmap=ListedColormap(colours),
+        vmin=-0.5,
+        vmax=len(colours) - 0.5,
+        shading="nearest",
+    )
+    for name in names:
+        part = grid[grid["word"] == name]
+        if len(part) > 0.004 * len(grid):
+            off = sum((part[q] - part[q].median()).abs() / max(np.ptp(grid[q]), 1e-9) for q in ("c0", "L"))
+            middle = part.loc[off.idxmin()]
+            axes.text(middle["c0"], middle["L"], name, ha="center", va="center", fontsize=7)

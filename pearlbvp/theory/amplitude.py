@@ -1,0 +1,403 @@
+"""Amplitude equations of the branches that leave the straight cylinder, in closed form, for every mode and every ``c0``.
+
+Waves ``u = eps [A e^{i(kx + n phi)} + B e^{i(kx - n phi)} + c.c.] + O(eps^2)`` on the cylinder ``r = 1 + u``, at fixed area
+and ``lambda2 = lambda2_c + beta2 eps^2``, obey (paper, eq. (ampsys); time in units of ``eps^-2``)
+
+    dA/dt = A (a beta2 + b1 |A|^2 + b2 |B|^2),     dB/dt = B (a beta2 + b2 |A|^2 + b1 |B|^2).
+
+Coils have one of the two, buckles both alike; pearls (``n = 0``) and wrinkles (``k = 0``) have one wave and ``b = b1``. One
+set of polynomials serves them all. They are derived from the energy to fourth order by ``tests/derivations/amplitude.py``
+(the paper's Appendix A is the case ``n = 1``; its pearling ``b`` has a misprint). ``kappa`` is ``k^2``, ``lambda2`` its
+critical value.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube, cylinder_energy, cylinder_lambda1
+from pearlbvp.theory.dispersion import Mode, critical_lambda2, growth_rate, mode_type, stable_interval
+
+Family = Literal["pearl", "ring", "coil", "buckle"]
+FAMILIES: dict[str, tuple[Family, ...]] = {
+    "pearling": ("pearl",),
+    "wrinkling": ("ring",),
+    "coiling/buckling": ("coil", "buckle"),
+}
+
+
+def linear(kappa: Any, n: Any) -> Any:
+    """``a``: derivative of the growth rate by ``lambda2``."""
+    return kappa + n**2 - 1
+
+
+def tension(kappa: Any, n: Any, lambda2: Any) -> Any:
+    """``alpha2``: ``lambda1 = lambda1_c - beta2 eps^2 + alpha2 eps^2 (|A|^2 + |B|^2)`` keeps the area."""
+    return -(kappa**2) / 2 + kappa * (2 * lambda2 + n**2) + 3 * (n**2 - 1) ** 2 / 2
+
+
+def direct1(kappa: Any, n: Any, c0: Any, lambda2: Any) -> Any:
+    """``b1`` without the work of slaved waves, the mean radius ``A00 = -(kappa + n^2)(|A|^2 + |B|^2)`` included."""
+    return (
+        7 * kappa**3 / 2
+        + kappa**2 * (-4 * c0 - 9 * lambda2 / 2 + 13 * n**2 / 2 - 0.25)
+        + kappa * (-4 * c0 * n**2 - 5 * lambda2 * n**2 + 5 * n**4 / 2 + n**2 / 2 - 2.5)
+        + lambda2 * (2 * n**2 - n**4 / 2)
+        - n**6 / 2
+        - 41 * n**4 / 4
+        + 23 * n**2 / 2
+        - 3
+    )
+
+
+def direct2(kappa: Any, n: Any, c0: Any, lambda2: Any) -> Any:
+    """``b2`` without the work of slaved waves."""
+    return (
+        6 * kappa**3
+        - kappa**2 * (8 * c0 + 6 * lambda2 + 2 * n**2 + 1)
+        - kappa * (8 * c0 * n**2 + 6 * n**4 - 6 * n**2 + 2)
+        + lambda2 * (4 * n**2 - 2 * n**4)
+        + 2 * n**6
+        - 27 * n**4
+        + 26 * n**2
+        - 6
+    )
+
+
+def force22(kappa: Any, n: Any, lambda2: Any) -> Any:
+    """What ``A^2`` does to the wave ``(2k, 2n)``."""
+    return (
+        -9 * kappa**2 / 4
+        + kappa * (3 * lambda2 / 2 + 9 * n**2 / 2 - 0.75)
+        - 3 * lambda2 * n**2 / 2
+        + 27 * n**4 / 4
+        - 21 * n**2 / 4
+        + 0.75
+    )
+
+
+def force20(kappa: Any, n: Any, c0: Any, lambda2: Any) -> Any:
+    """What ``A B`` does to the wave ``(2k, 0)``."""
+    return (
+        -9 * kappa**2 / 2
+        + kappa * (8 * c0 * n**2 + 3 * lambda2 + n**2 - 1.5)
+        - lambda2 * n**2
+        + 3 * n**4 / 2
+        - 7 * n**2 / 2
+        + 1.5
+    )
+
+
+def force02(kappa: Any, n: Any, c0: Any, lambda2: Any) -> Any:
+    """What ``A B*`` does to the wave ``(0, 2n)``."""
+    return (
+        -(kappa**2) / 2
+        + kappa * (8 * c0 * n**2 + lambda2 + n**2 - 0.5)
+        - 3 * lambda2 * n**2
+        + 27 * n**4 / 2
+        - 21 * n**2 / 2
+        + 1.5
+    )
+
+
+RESONANT = 1e-9
+"""A slaved wave whose growth rate is smaller than this, by its own size, is critical too."""
+
+
+@dataclass(frozen=True)
+class AmplitudeEquation:
+    """The reduced equation of one mode of a straight tube.
+
+    Attributes:
+        tube: the straight tube.
+        m, n: waves along and around it.
+
+    Raises:
+        InputError: on construction: the mode is no bifurcation, or a wave that it excites is critical at the same
+            ``lambda2`` (for pearls of ``m`` and ``2m`` waves ``theory.resonance`` has the equations of both).
+    """
+
+    tube: Tube
+    m: int
+    n: int
+
+    def __post_init__(self) -> None:
+        if self.m < 0 or self.n < 0 or (self.m, self.n) in ((0, 0), (0, 1)):
+            raise InputError(
+                f"mode: ({self.m},{self.n}) is no bifurcation but a change of radius or a shift of the tube; give "
+                "m,0 with m >= 1, 0,n with n >= 2, or m,n with both >= 1"
+            )
+        if not self.lambda2**2 < 1e12:
+            raise InputError(
+                f"mode: pearls of mode ({self.m},0) on L = {self.tube.length:g} have k = 1 and branch off nowhere; "
+                "change mode or length"
+            )
+        for m, n in ((2 * self.m, 2 * self.n), *(((2 * self.m, 0), (0, 2 * self.n)) if self.m and self.n else ())):
+            size = (self.tube.wave_number(m) ** 2 + n**2) ** 2
+            if abs(self._rate(m, n)) < RESONANT * (1 + size):
+                raise InputError(
+                    f"mode: ({self.m},{self.n}) meets ({m},{n}), which it excites, at lambda2 = {self.lambda2:.6g} on "
+                    f"L = {self.tube.length:g}; its equation alone does not hold there: change c0 or the length a little"
+                )
+
+    @cached_property
+    def k(self) -> float:
+        """Wave number along the tube."""
+        return self.tube.wave_number(self.m)
+
+    @cached_property
+    def kappa(self) -> float:
+        """``k^2``."""
+        return self.k**2
+
+    @cached_property
+    def lambda2(self) -> float:
+        """Where the mode is neutral."""
+        return float(critical_lambda2(self.k, self.n, self.tube.c0))
+
+    @property
+    def lambda1(self) -> float:
+        """The straight tube's tension there."""
+        return cylinder_lambda1(self.lambda2, self.tube.c0)
+
+    def _rate(self, m: int, n: int) -> float:
+        return float(growth_rate(self.tube.wave_number(m), n, self.lambda2, self.tube.c0))
+
+    @property
+    def kind(self) -> str:
+        """``pearling``, ``wrinkling`` or ``coiling/buckling``."""
+        return mode_type(self.m, self.n)
+
+    @property
+    def families(self) -> tuple[Family, ...]:
+        """The branches that leave the cylinder there."""
+        return FAMILIES[self.kind]
+
+    @property
+    def a(self) -> float:
+        """Derivative of the growth rate by ``lambda2``."""
+        return float(linear(self.kappa, self.n))
+
+    @property
+    def alpha2(self) -> float:
+        """Coefficient of ``|A|^2 + |B|^2`` in the change of ``lambda1``."""
+        return float(tension(self.kappa, self.n, self.lambda2))
+
+    @cached_property
+    def slaved(self) -> dict[str, float]:
+        """Amplitudes of the slaved waves, by the product of ``A`` and ``B`` that excites each.
+
+        ``A00`` by ``|A|^2 + |B|^2``, ``A22`` by ``A^2``, ``A20`` by ``A B``, ``A02`` by ``A B*``.
+        """
+        found = {"A00": -self.kappa - self.n**2}
+        found["A22"] = -self._force22 / self._rate(2 * self.m, 2 * self.n)
+        if self.m and self.n:
+            found["A20"] = -self._force20 / self._rate(2 * self.m, 0)
+            found["A02"] = -self._force02 / self._rate(0, 2 * self.n)
+        return found
+
+    @property
+    def _force22(self) -> float:
+        return float(force22(self.kappa, self.n, self.lambda2))
+
+    @property
+    def _force20(self) -> float:
+        return float(force20(self.kappa, self.n, self.tube.c0, self.lambda2))
+
+    @property
+    def _force02(self) -> float:
+        return float(force02(self.kappa, self.n, self.tube.c0, self.lambda2))
+
+    @cached_property
+    def b1(self) -> float:
+        """Cubic coefficient of a wave with itself; ``b`` of pearling and wrinkling."""
+        direct = direct1(self.kappa, self.n, self.tube.c0, self.lambda2)
+        return float(direct + 2 * self._force22 * self.slaved["A22"])
+
+    @cached_property
+    def b2(self) -> float:
+        """Cubic coefficient of a wave with its mirror image.
+
+        Raises:
+            InputError: pearls and wrinkles are their own mirror images.
+        """
+        if not (self.m and self.n):
+            raise InputError(f"mode: ({self.m},{self.n}) is {self.kind}, which has one wave and no b2")
+        direct = direct2(self.kappa, self.n, self.tube.c0, self.lambda2)
+        return float(direct + self._force20 * self.slaved["A20"] + self._force02 * self.slaved["A02"])
+
+    def cubic(self, family: Family) -> float:
+        """``b`` of a family: ``dA/dt = A (a beta2 + b A^2)`` along it."""
+        self._check(family)
+        return self.b1 + self.b2 if family == "buckle" else self.b1
+
+    def _check(self, family: str) -> None:
+        if family not in self.families:
+            raise InputError(
+                f"family: {family} does not branch off at mode ({self.m},{self.n}), but {' and '.join(self.families)}"
+            )
+
+    def supercritical(self, family: Family) -> bool:
+        """Whether the branch exists where the cylinder is unstable to the mode (at given ``lambda2``)."""
+        return self.cubic(family) < 0
+
+    @property
+    def preferred(self) -> Family:
+        """The family that no wave of the mode itself destabilizes at fixed area and volume: coils iff ``b2 < b1``."""
+        if len(self.families) == 1:
+            return self.families[0]
+        return "coil" if self.b2 < self.b1 else "buckle"
+
+    @property
+    def role(self) -> str:
+        """``lower`` or ``upper`` where the mode ends the straight tube's stable interval, else empty."""
+        interval = stable_interval(self.tube)
+        ends = {interval.upper_mode: "upper"} | ({interval.lower_mode: "lower"} if interval.lower_mode else {})
+        return ends.get((self.m, self.n), "") if interval.exists else ""
+
+    @property
+    def stable(self) -> str:
+        """The family that is stable at its onset, at fixed area and volume; empty where the cylinder is unstable before."""
+        return self.preferred if self.role else ""
+
+    def own_rate(self, family: Family) -> float:
+        """Growth rate by ``A^2`` of the mode's own perturbations at fixed area and volume, to leading order.
+
+        ``b2 - b1`` on coils (twice), ``2 (b1 - b2)`` on buckles (once); 0 on pearls and rings, where there is none.
+        """
+        self._check(family)
+        if len(self.families) == 1:
+            return 0.0
+        return self.b2 - self.b1 if family == "coil" else 2 * (self.b1 - self.b2)
+
+    def at(self, family: Family, A: float) -> dict[str, float]:
+        """The solution of amplitude ``A`` to leading order: ``lambda1, lambda2, v, E, amplitude, r_min, r_max``.
+
+        ``E`` follows from ``-2 dE/dv = lambda2`` and is right to second order in ``v - 1``; radii are measured from the
+        centre of each section, and ``amplitude`` is half their spread.
+        """
+        waves = 2 if family == "buckle" else 1
+        by_square = -self.cubic(family) / self.a
+        lambda2 = self.lambda2 + by_square * A**2
+        v = 1 - 2 * self.a * waves * A**2
+        thin, thick = self._radii(family, A)
+        return {
+            "lambda1": self.lambda1 + (waves * self.alpha2 - by_square) * A**2,
+            "lambda2": lambda2,
+            "v": v,
+            "E": cylinder_energy(self.tube.c0) - (self.lambda2 + lambda2) / 4 * (v - 1),
+            "amplitude": (thick - thin) / 2,
+            "r_min": thin,
+            "r_max": thick,
+        }
+
+    def amplitude_at(self, family: Family, v: float) -> float:
+        """The amplitude ``A`` at a reduced volume, to leading order; not a number on the side where the branch is not."""
+        waves = 2 if family == "buckle" else 1
+        square = (1 - v) / (2 * self.a * waves)
+        return math.sqrt(square) if square >= 0 else math.nan
+
+    def _radii(self, family: Family, A: float) -> tuple[float, float]:
+        """Smallest and largest radius to second order, about the centres of the sections.
+
+        Where ``n = 1`` the first order only shifts sections: a circle shifted by ``d`` has ``u = d cos(phi) - (d/2)^2 +
+        (d/2)^2 cos(2 phi)`` about the old centre, and what is left is of second order. That of a buckle is bilinear in
+        ``cos 2kx`` and ``cos 2 phi``: its extremes are at corners.
+        """
+        s, mean, square = self.slaved, 1 + self.slaved["A00"] * A**2, A**2
+        if family == "buckle":
+            mean += s["A00"] * square
+            if self.n > 1:
+                mean += (2 * s["A20"] + 2 * s["A02"] + 4 * s["A22"]) * square
+                return mean - 4 * abs(A), mean + 4 * abs(A)
+            corners = [
+                2 * c * (1 + s["A20"]) + d * (2 * s["A02"] - 2 + c * (4 * s["A22"] - 2))
+                for c in (1, -1)
+                for d in (1, -1)
+            ]
+            return mean + (2 + min(corners)) * square, mean + (2 + max(corners)) * square
+        if self.n == 1:
+            oval = abs(2 * s["A22"] - 1)
+            return mean + (1 - oval) * square, mean + (1 + oval) * square
+        mean += 2 * s["A22"] * square
+        return mean - 2 * abs(A), mean + 2 * abs(A)
+
+
+def amplitude_equation(tube: Tube, mode: Mode) -> AmplitudeEquation:
+    """The reduced equation of a mode ``(m, n)``.
+
+    Raises:
+        InputError: see ``AmplitudeEquation``.
+    """
+    m, n = mode
+    if m != int(m) or n != int(n):
+        raise InputError(f"mode: {m},{n} must be two whole numbers, like 1,0")
+    return AmplitudeEquation(tube, abs(int(m)), abs(int(n)))
+
+
+def family_named(name: str) -> Family:
+    """A family by its name.
+
+    Raises:
+        InputError: there is none of that name.
+    """
+    for family in get_args(Family):
+        if family == name:
+            return family
+    raise InputError(f"family: {name!r} is none of {', '.join(get_args(Family))}")
+
+
+def exchange_lengths(c0: float, m: int = 1, n: int = 1, shortest: float = 2.0, longest: float = 200.0) -> list[float]:
+    """Lengths of the tube at which coils and buckles of a mode exchange stability (``b1 = b2``), increasing.
+
+    Args:
+        c0: spontaneous curvature.
+        m, n: the mode, both at least 1.
+        shortest, longest: between which it is looked for.
+
+    Raises:
+        InputError: ``m`` or ``n`` is 0.
+    """
+    if m < 1 or n < 1:
+        raise InputError(f"mode: ({m},{n}) has no coils and buckles; give m,n with both >= 1")
+    from scipy.optimize import brentq  # a fifth of a second to import, and only this needs it
+
+    def difference(length: float) -> float:
+        """``b1 - b2`` times the three denominators: it has no poles."""
+        k = 2 * math.pi * m / length
+        lambda2 = float(critical_lambda2(k, n, c0))
+        rates = [float(growth_rate(p * k, q, lambda2, c0)) for p, q in ((2, 2 * n), (2, 0), (0, 2 * n))]
+        forces = force22(k**2, n, lambda2), force20(k**2, n, c0, lambda2), force02(k**2, n, c0, lambda2)
+        direct = direct1(k**2, n, c0, lambda2) - direct2(k**2, n, c0, lambda2)
+        work = [-2 * forces[0] ** 2, forces[1] ** 2, forces[2] ** 2]
+        return float(
+            direct * rates[0] * rates[1] * rates[2]
+            + work[0] * rates[1] * rates[2]
+            + work[1] * rates[0] * rates[2]
+            + work[2] * rates[0] * rates[1]
+        )
+
+    lengths = np.geomspace(shortest, longest, 400)
+    values = np.array([difference(length) for length in lengths])
+    brackets = np.flatnonzero(values[1:] * values[:-1] < 0)
+    return [float(brentq(difference, lengths[i], lengths[i + 1], xtol=1e-13, rtol=1e-14)) for i in brackets]
+
+
+def meeting_c0(one: Mode, two: Mode, length: float) -> float:
+    """The ``c0`` at which two modes of a tube are neutral at the same ``lambda2``: a point of codimension two.
+
+    Not a number where they never meet. (The paper leaves these out; wrinkling (0,2) and coiling (1,1) meet at
+    ``c0 = -1/4 + k^2/4``.)
+    """
+    kappa = [(2 * math.pi * m / length) ** 2 for m, _ in (one, two)]
+    e = [linear(q, n) for q, (_, n) in zip(kappa, (one, two), strict=True)]
+    if 0 in e:
+        return math.nan
+    slope = kappa[0] / e[0] - kappa[1] / e[1]
+    return (1 + (e[0] - e[1]) / (2 * slope)) / 2 if slope else math.nan
