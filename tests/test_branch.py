@@ -17,7 +17,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
-from pearlbvp.shapes.pearl import unrolled
+from pearlbvp.shapes.pearl import PearlProblem, pearling_onset, unrolled
 from pearlbvp.stability.spectrum import Block, Spectrum
 from pearlbvp.studies.branch import (
     COLUMNS,
@@ -395,6 +395,37 @@ def test_a_branch_point_followed_in_length_stays_one():
         assert found[name] == pytest.approx(expected[name], abs=1e-8)
 
 
+def test_stability_along_a_followed_fold_is_that_of_the_branch():
+    """Where the energy turns without the volume (lambda2 = 0) no growth rate is zero, so none is left out."""
+    here = pearl_branch(0.75, 10, 1, branch_options({"v": 1.02}))
+    special = here.find("fold:E")[0]
+    assert here.at(special).observables["lambda2"] == pytest.approx(0, abs=1e-9)
+    curve = followed(here, "fold:E", 1, "c0", branch_options(max_points=30, step=0.05, max_step=0.2), upwards=False)
+    assert curve.points[0].spectrum.n_unstable == here.at(special).spectrum.n_unstable == 6
+    # The shapes become straight where pearls begin at lambda2 = 0, and the curve ends there.
+    assert "straight tube" in curve.reason
+    assert curve.points[-1].observables["v"] == pytest.approx(1, abs=1e-5)
+
+
+def test_a_spectrum_that_fails_ends_the_branch_and_keeps_its_points(monkeypatch):
+    calls = 0
+    spectrum = PearlProblem.spectrum
+
+    def failing(self, u):
+        nonlocal calls
+        calls += 1
+        if calls > 5:
+            raise np.linalg.LinAlgError("Eigenvalues did not converge")
+        return spectrum(self, u)
+
+    monkeypatch.setattr(PearlProblem, "spectrum", failing)
+    branch = pearl_branch(0.0, 10, 1, branch_options({"v": 1.2}))
+    assert not branch.complete
+    assert "spectrum" in branch.reason
+    assert 3 <= len(branch.points) <= 5
+    assert branch.kinds(len(branch.points) - 1) == ["end"]
+
+
 def test_the_first_fold_leaves_its_branch_where_c0_turns():
     """c0 = 0.5906: the pearls' branch exchanges its parts with that of two unequal pearls, and c0 turns on the fold's curve."""
     here = pearl_branch(0.6, 10, 1, branch_options({"v": 0.99}))
@@ -543,3 +574,16 @@ def test_special_points_say_where_they_were_looked_for(four):
         low, high = special.interval
         assert low == 0 < high < 1
         assert special.converged
+
+
+def test_special_points_beside_a_nearly_neutral_mode_are_located():
+    """On L = 60 the branch at j = 3 of eight pearls turns twice, sharply: three discretizations agree on where."""
+    found = []
+    for degree, tolerance in ((5, 1e-8), (6, 1e-9)):
+        problem, u, tangent = pearling_onset(Tube(0.48, 60), 8, degree=degree, tolerance=tolerance)
+        pearls = continue_branch(start_point(problem, u, tangent), branch_options({"v": 1.008}), at_bifurcation=True)
+        beyond = switched(pearls, 3, branch_options(max_points=40))
+        assert all(special.converged for special in beyond.special)
+        found.append([beyond.at(special).observables["v"] for special in beyond.find("fold:v")])
+    assert found[0] == pytest.approx([1.119707819, 1.115454677], abs=2e-8)
+    assert found[1] == pytest.approx(found[0], abs=2e-8)

@@ -179,6 +179,7 @@ GOOD = {
         ("branch", {"--until": "v"}, "--until"),
         ("branch", {"--until": "w=1"}, "until"),
         ("branch", {"--until": "v=nan"}, "--until"),
+        ("branch", {"--until": "c0=0.5"}, "--until"),
         ("branch", {"--length": "6.283185307179586"}, "mode"),
         ("branch", {"--switch": "1"}, "--switch"),
         ("branch", {"--resume": "nothing.h5"}, "--resume"),
@@ -246,3 +247,89 @@ def test_a_reader_that_has_had_enough_is_no_error():
     process = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, check=False)
     assert process.stdout.startswith("m,n,k")
     assert process.stderr == ""
+
+
+def test_no_output_overwrites_another_or_the_branch_it_starts_from(capsys, tmp_path):
+    saved = tmp_path / "b.h5"
+    assert (
+        run(
+            capsys, *map(str, ("branch", "pearl", "--c0", "0", "--length", "10", "--until", "v=1.01", "--save", saved))
+        )[0]
+        == 0
+    )
+    before = saved.read_bytes()
+    for options, name in (
+        (["--resume", saved, "--out", saved], "--out"),
+        (["--resume", saved, "--save", tmp_path / "x", "--out", tmp_path / "x"], "--save"),
+        (["--resume", saved, "--save", tmp_path / "y", "--plot", tmp_path / "y"], "--save"),
+    ):
+        status, _, err = run(capsys, "branch", "pearl", *map(str, options))
+        assert status == 2
+        assert err.startswith(f"pearlbvp: {name}: ")
+    assert saved.read_bytes() == before
+    assert run(capsys, *map(str, ("branch", "pearl", "--resume", saved, "--save", saved, "--until", "v=1.02")))[0] == 0
+
+
+def test_amplitude_writes_coefficients_predictions_and_comparisons(capsys, tmp_path):
+    tube = ["--c0", "0", "--length", "10"]
+    computed, beside = tmp_path / "b.csv", tmp_path / "c.csv"
+    assert (
+        run(
+            capsys,
+            *map(
+                str,
+                (
+                    "branch",
+                    "pearl",
+                    *tube,
+                    "--until",
+                    "v=1.01",
+                    "--step",
+                    "0.02",
+                    "--max-step",
+                    "0.02",
+                    "--out",
+                    computed,
+                ),
+            ),
+        )[0]
+        == 0
+    )
+    options = [
+        "--mode",
+        "1,0",
+        "--mode",
+        "1,1",
+        "--compare",
+        computed,
+        "--branch",
+        beside,
+        "--plot",
+        tmp_path / "a.png",
+    ]
+    status, out, _ = run(capsys, "amplitude", *map(str, (*tube, *options)))
+    assert status == 0
+    rows = out.splitlines()
+    assert rows[0].startswith("c0,L,m,n,type,lambda2,lambda1,a,b,b1,b2,alpha2,stable")
+    assert "-2.955045540" in rows[1]
+    assert "-0.817084382" in rows[2]
+    table = pd.read_csv(beside)
+    assert (table.lambda2_error < 0.1).all()
+    assert table.E_order.iloc[-1] == pytest.approx(4, abs=0.1)
+    assert is_png(tmp_path / "a.png")
+    assert (
+        run(capsys, *map(str, ("amplitude", *tube, "--mode", "1,1", "--family", "buckle", "--branch", beside)))[0] == 0
+    )
+    assert pd.read_csv(beside).n_unstable.iloc[-1] == 1  # coils are stable there, buckles are not
+    for wrong in (["--mode", "0,1"], ["--mode", "1,1", "--family", "pearl"], ["--mode", "1,1", "--largest", "9"]):
+        status, _, err = run(capsys, "amplitude", *tube, *wrong)
+        assert (status, err.count("\n")) == (2, 1)
+
+
+def test_amplitude_map_writes_a_row_a_tube(capsys, tmp_path):
+    meetings = tmp_path / "m.csv"
+    options = ["--c0=-0.4:0.4:0.1", "--lengths", "8,20", "--meetings", meetings, "--plot", tmp_path / "m.png"]
+    status, out, _ = run(capsys, "amplitude-map", *map(str, options))
+    assert (status, len(out.splitlines())) == (0, 1 + 9 * 2)
+    assert is_png(tmp_path / "m.png")
+    assert {"0:2"} <= set(pd.read_csv(meetings)["mode"])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number, Numbers
-from pearlbvp.commands.output import check_outputs, outputs, write, write_table
+from pearlbvp.commands.output import check_distinct, check_outputs, outputs, write, write_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,6 +54,7 @@ def amplitude(
 
     out, plot = check_outputs(out, plot)
     branch = None if branch is None else writable("--branch", branch)
+    check_distinct({"--compare": compare, "--out": out, "--plot": plot, "--branch": branch})
     tube = Tube(c0, length)
     table = coefficients(tube.c0, tube.length, modes)
     equation = amplitude_equation(tube, modes[0])
@@ -101,6 +102,7 @@ def amplitude_map(
 
     out, plot = check_outputs(out, plot)
     meetings = None if meetings is None else writable("--meetings", meetings)
+    check_distinct({"--out": out, "--plot": plot, "--meetings": meetings})
     table = instability_map(c0, lengths)
     if meetings is not None:
         write_table("--meetings", meetings, meeting_points(c0, lengths))

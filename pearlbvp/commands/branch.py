@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from pathlib import Path
@@ -10,7 +11,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number, Numbers, SpecialKind, Until
-from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, check_outputs, outputs, radius_option, write
+from pearlbvp.commands.output import (
+    DONE,
+    INTERRUPTED,
+    SOME_FAILED,
+    check_distinct,
+    check_outputs,
+    outputs,
+    radius_option,
+    write,
+)
 from pearlbvp.errors import InputError
 
 if TYPE_CHECKING:
@@ -108,10 +118,16 @@ def branch(
 
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
+    start = None if resume is None else Path(os.path.realpath(resume))
+    check_distinct({"--resume": start, "--out": out, "--plot": plot})
+    check_distinct({"--out": out, "--plot": plot, "--save": save})
     if resume is None and (c0 is None or length is None):
         raise InputError("--c0, --length: give both, or --resume a saved branch")
     if resume is not None and (c0 is not None or length is not None):
         raise InputError("--resume: the saved branch has its own c0 and length; leave --c0 and --length out")
+    fixed_here = [name for name, _ in until if name in ("c0", "L")]
+    if resume is None and fixed_here:
+        raise InputError(f"--until: {fixed_here[0]} does not vary on this branch; save it, and --vary it from there")
     if (switch is not None or vary is not None) and resume is None:
         raise InputError("--switch, --vary: they need --resume, the saved branch that they start from")
     if follow is not None and save is not None:

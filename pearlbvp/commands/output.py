@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import multiprocessing
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -72,9 +72,23 @@ def check_outputs(out: Path | None, plot: Path | None) -> tuple[Path | None, Pat
 
     out = None if out is None else writable("--out", out)
     plot = None if plot is None else writable("--plot", plot)
-    if out is not None and out == plot and (out.is_file() or not out.exists()):
-        raise InputError(f"--plot: {plot} is the table's file already; give the picture another name")
+    check_distinct({"--out": out, "--plot": plot})
     return out, plot
+
+
+def check_distinct(paths: Mapping[str, Path | None]) -> None:
+    """Refuse two options with the same file, which would overwrite each other; devices take what they get.
+
+    Raises:
+        InputError: the second option's name, and what it collides with.
+    """
+    known: dict[Path, str] = {}
+    for option, path in paths.items():
+        if path is None or (path.exists() and not path.is_file()):
+            continue
+        if path in known:
+            raise InputError(f"{option}: {path} is the file of {known[path]} already; give it another name")
+        known[path] = option
 
 
 def write(table: pd.DataFrame, out: Path | None, plot: Path | None, draw: Callable[[], Figure]) -> int:

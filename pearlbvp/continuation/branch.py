@@ -155,6 +155,12 @@ class Branch(Generic[P]):
         special = [replace(s, index=last - s.index, change=-s.change) for s in self.special[::-1]]
         return Branch(points, special, self.reason, self.complete)
 
+    def without_last(self) -> Branch[P]:
+        """The branch without its last point, and what is special there but the end."""
+        last = len(self.points) - 2
+        kept = [s for s in self.special if s.index <= last] + [SpecialPoint[P]("end", last)]
+        return Branch(self.points[:-1], kept, self.reason, self.complete)
+
     def extended(self, further: Branch[P]) -> Branch[P]:
         """This branch and one that starts at its last point, as one."""
         offset = len(self.points) - 1
@@ -348,6 +354,8 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
                 return end(f"max_points = {options.path.max_points} reached; resume the branch or ask for more")
     except PathEnd as failure:
         return end(str(failure))
+    except np.linalg.LinAlgError as error:
+        return end(f"a spectrum could not be computed ({error}); stop before, or take shorter steps")
     except KeyboardInterrupt:
         return end("interrupted")
     except SystemError as error:  # what an interruption inside compiled code turns into

@@ -76,7 +76,7 @@ def read_branch(
             points = [_read_point(file["points"][str(i)], problems, spectrum_from) for i in range(len(file["points"]))]
             special = [_read_special(file["special"][str(i)].attrs, points) for i in range(len(file["special"]))]
             return Branch(points, special, str(file.attrs["reason"]), bool(file.attrs["complete"]))
-    except (OSError, KeyError, IndexError, ValueError, TypeError, AttributeError) as error:
+    except (OSError, RuntimeError, KeyError, IndexError, ValueError, TypeError, AttributeError) as error:
         if isinstance(error, InputError):
             raise
         reason = (

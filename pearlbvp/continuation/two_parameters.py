@@ -22,12 +22,16 @@ from pearlbvp.continuation.switching import tangent_along
 
 _EPS = 1e-5
 
+NOISE = 1e-6
+"""Corrections below this that no longer shrink are those of a condition that is known no better: growth rates of shapes with
+thin necks, say, have the rounding of a fourth derivative. Elsewhere Newton's method goes on to its tolerance."""
+
 
 class Condition(Protocol):
     """A scalar function on the surface of solutions."""
 
     def neutral_block(self, surface: CurveOnSurface) -> Any:
-        """The symmetry block in which a growth rate is zero all along the curve."""
+        """The symmetry block in which a growth rate is zero all along the curve; None where none is."""
 
     def __call__(self, surface: CurveOnSurface, u: Array) -> float:
         """Its value at a solution."""
@@ -39,13 +43,15 @@ class FoldCondition:
 
     Attributes:
         name: the observable.
+        neutral: whether it is the one that perturbations keep, so that a growth rate is zero where it turns.
     """
 
     name: str
+    neutral: bool
 
     def neutral_block(self, surface: CurveOnSurface) -> Any:
-        """The problem's own, where what turns is what perturbations keep."""
-        return surface.base.own_block
+        """The problem's own, where what turns is what perturbations keep; else None."""
+        return surface.base.own_block if self.neutral else None
 
     def __call__(self, surface: CurveOnSurface, u: Array) -> float:
         """Derivative of the observable along that curve."""
@@ -182,6 +188,8 @@ class CurveOnSurface:
         """That of the base, without the rate that is zero by the condition: its sign would be that of rounding."""
         found = self.base.spectrum(u)
         block = self.condition.neutral_block(self)
+        if block is None:
+            return found
         rates = found.rates[block]
         return replace(found, rates=found.rates | {block: np.delete(rates, np.abs(rates).argmin())})
 
@@ -223,7 +231,10 @@ def follow(
     if special.kind == "bp":
         condition = NeutralCondition(special.block, entry.spectrum)
     else:
-        condition = FoldCondition(special.kind.removeprefix("fold:"))
+        name = special.kind.removeprefix("fold:")
+        condition = FoldCondition(name, neutral=name == entry.point.problem.conserved)
     curve = CurveOnSurface(base, fixed, tangent / np.sqrt(base.inner(tangent, tangent)), condition)
     direction = tangent_along(curve, u, fixed if upwards else -fixed)
+    newton = replace(options.path.newton, rounding=max(options.path.newton.rounding, NOISE))
+    options = replace(options, path=replace(options.path, newton=newton))
     return continue_branch(start_point(curve, u, direction), options)

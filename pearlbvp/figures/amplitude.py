@@ -56,7 +56,7 @@ def draw_map(table: pd.DataFrame, exchange: pd.DataFrame) -> Figure:
     visible = exchange[exchange["L"].between(table["L"].min(), table["L"].max())]
     right.plot(visible["c0"], visible["L"], "k.", markersize=3, label="coils and buckles (1,1) exchange stability")
     if len(visible):
-        right.legend(frameon=False, fontsize="x-small", loc="upper left", bbox_to_anchor=(0, -0.12))
+        right.legend(fontsize="x-small", loc="upper left")
     dress(right, "spontaneous curvature c0", "", "upper end: mode m:n, and the family stable at onset")
     return figure
 

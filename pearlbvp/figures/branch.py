@@ -67,12 +67,17 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
 def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Figure:
     """Energy and pressure over the reduced volume, the two multipliers, and shapes."""
     figure, axes = new_figure(2, 2, width=9.5, height=7.5)
+    varied = next((name for name in ("c0", "L") if np.ptp(table[name]) > 1e-9), None)
     pairs = (("v", "E"), ("v", "lambda2"), ("lambda2", "lambda1"))
+    if varied is not None:
+        pairs = ((varied, "E"), (varied, "lambda2"), (varied, "v"))
     names = {
         "v": "reduced volume v",
         "E": "energy by area E/A",
         "lambda1": "tension lambda1",
         "lambda2": "pressure lambda2",
+        "c0": "spontaneous curvature c0",
+        "L": "length L (radii)",
     }
     for place, (x, y) in zip(axes.ravel(), pairs, strict=False):
         draw_curve(place, table, x, y, COLOURS[0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -10,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, SpecialPoint, continue_branch, start_point
 from pearlbvp.continuation.path import PathOptions
 from pearlbvp.continuation.storage import read_branch, write_branch
@@ -64,6 +66,8 @@ def branch_options(
             raise InputError(f"until: a branch cannot stop at a value of {name!r}; choose one of {', '.join(STOPS)}")
     if max_points < 2:
         raise InputError(f"max_points: {max_points} must be 2 or more")
+    if not max_step > 1e-6:
+        raise InputError(f"max_step: {max_step:g} must be above 1e-6")
     if step is None:
         step = min(0.1, max_step)
     if not 1e-6 < step <= max_step:
@@ -247,7 +251,31 @@ def followed(
         )
     if not found[number - 1].converged:
         raise InputError(f"follow: {kind} number {number} was not located; follow the branch in shorter steps")
-    return follow(branch, found[number - 1], names[vary], replace(options, folds=(vary, "v")), upwards=upwards)
+    start = branch.at(found[number - 1]).point
+    sign = math.copysign(1.0, _wave(start.problem, start.u))
+
+    def limit(point: BranchPoint[Any]) -> str | None:
+        if sign * _wave(point.point.problem.base, point.point.u) < 0:
+            return STRAIGHT
+        return options.limit(point)
+
+    curve = follow(
+        branch, found[number - 1], names[vary], replace(options, folds=(vary, "v"), limit=limit), upwards=upwards
+    )
+    if curve.reason == STRAIGHT:
+        curve = curve.without_last()
+        while len(curve.points) > 1 and curve.points[-1].observables["amplitude"] < 1e-3:  # found in the last step
+            curve = curve.without_last()
+    return curve
+
+
+STRAIGHT = "the shapes become the straight tube; beyond, the curve would repeat their mirror images"
+
+
+def _wave(problem: PearlProblem, u: Array) -> float:
+    """Difference of the radii at the two ends of the first half period: it changes sign where pearls become straight."""
+    radii = problem.discretization.values(u)[:, 0]
+    return float(radii[0] - radii[-1 if problem.half else len(radii) // 2])
 
 
 def switched(

@@ -1,0 +1,81 @@
+"""Normal forms of branch points: against amplitude equations, and against branches that leave secondary branch points."""
+
+import numpy as np
+import pytest
+
+from pearlbvp.continuation.normal_form import normal_form
+from pearlbvp.helfrich import Tube
+from pearlbvp.shapes.pearl import pearling_onset
+from pearlbvp.studies.branch import branch_options, pearl_branch, switched
+from pearlbvp.studies.normal_form import COLUMNS, form_at, normal_forms, rate_by_volume
+from pearlbvp.theory.amplitude import amplitude_equation
+
+
+class Polynomial:
+    """``(x - p)(y - x ...)``-like curves in the plane (x, y), with a known normal form at the origin."""
+
+    def __init__(self, function, gradient):
+        self.function, self.gradient = function, gradient
+
+    def residual(self, u):
+        return np.array([self.function(*u)])
+
+    def solve(self, u, rhs, row=None):
+        return np.linalg.solve(np.vstack((self.gradient(*u), row)), rhs)
+
+    def inner(self, u, v):
+        return float(u @ v)
+
+    def observables(self, u):
+        return {"x": float(u[0]), "y": float(u[1])}
+
+
+def test_a_pitchfork_and_a_transcritical_crossing_in_the_plane():
+    tiny = 1e-13  # the Jacobian at a branch point found by computation is not exactly singular
+    pitchfork = Polynomial(
+        lambda x, y: y * (x - 3 * y**2 + 2 * x * y**2) + tiny * y,
+        lambda x, y: [y * (1 + 2 * y**2), x - 9 * y**2 + 6 * x * y**2 + tiny],
+    )
+    form = normal_form(pitchfork, np.zeros(2), np.array([1.0, 0.0]), names=("x",))
+    assert form.pitchfork
+    assert form.quadratic["x"] == pytest.approx(3, rel=1e-8)
+    crossing = Polynomial(lambda x, y: y * (x - 0.5 * y) + tiny * y, lambda x, y: [y, x - y + tiny])
+    assert normal_form(crossing, np.zeros(2), np.array([1.0, 0.0])).slope == pytest.approx(0.5, rel=1e-8)
+
+
+@pytest.mark.parametrize(("c0", "length", "m"), [(0.0, 10, 1), (0.48, 15, 2), (0.4, 20, 1)])
+def test_at_the_cylinder_it_is_the_amplitude_equation(c0, length, m):
+    problem, u, direction = pearling_onset(Tube(c0, length), m, degree=7, intervals=12)
+    along = np.zeros_like(u)
+    free = problem.discretization.free
+    for name, change in (("lambda1", -1.0), ("lambda2", 1.0)):  # the cylinders
+        along[u.size - len(free) + free.index(name)] = change
+    form = normal_form(problem, u, along, direction)
+    amplitude = problem.discretization.values(form.direction)[0, 0] / 2
+    equation = amplitude_equation(Tube(c0, length), (m, 0))
+    found = {name: value / amplitude**2 for name, value in form.quadratic.items()}
+    assert found["lambda2"] == pytest.approx(-equation.b1 / equation.a, rel=1e-8)
+    assert found["lambda1"] == pytest.approx(equation.alpha2 + equation.b1 / equation.a, rel=1e-8)
+    assert found["v"] == pytest.approx(-2 * equation.a, rel=1e-8)
+
+
+def test_a_secondary_branch_point_predicts_the_localized_branch():
+    """Volumes, pressures and growth rates along the localized branch, as it leaves pearls of period 7.5 on L = 15."""
+    pearls = pearl_branch(0.48, 15, 2, branch_options({"v": 1.02}))
+    table = normal_forms(pearls)
+    assert list(table.columns) == COLUMNS
+    assert list(table.form) == ["pitchfork"]
+    row, special = table.iloc[0], pearls.find("bp")[0]
+    assert row.criticality == "supercritical"
+    assert row.cubic == pytest.approx(-row.rate * row.v_2)
+    assert pytest.approx(-row.lambda2 / 2 * row.v_2, rel=1e-8) == row.E_2
+    branch = switched(pearls, 1, branch_options(step=0.003, max_step=0.003, max_points=14))
+    rows = branch.table().iloc[4:]
+    ratio = (rows.lambda2 - row.lambda2) / (rows.v - row.v)
+    assert np.polyfit(rows.v - row.v, ratio, 2)[-1] == pytest.approx(row.lambda2_2 / row.v_2, rel=1e-5)
+    rates = rows.mu_crit / (rows.v - row.v)
+    assert np.polyfit(rows.v - row.v, rates, 2)[-1] == pytest.approx(-2 * row.rate, rel=1e-3)
+    assert rate_by_volume(pearls, special) == row.rate
+    assert form_at(pearls, special, "neck").quadratic["v"] == pytest.approx(row.v_2, rel=1e-6)
+    with pytest.raises(ValueError, match="^special: "):
+        form_at(pearls, pearls.special[0])
