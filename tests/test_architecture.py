@@ -6,7 +6,18 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).parents[1] / "pearlbvp"
-ROOMS = ["cli", "commands", "figures", "studies", "shapes", "stability", "theory", "continuation", "collocation"]
+ROOMS = [
+    "cli",
+    "commands",
+    "figures",
+    "studies",
+    "shapes",
+    "tube",
+    "stability",
+    "theory",
+    "continuation",
+    "collocation",
+]
 NOTHING_OF = {
     "continuation": {"collocation", "theory", "helfrich"},
     "collocation": {"theory", "helfrich"},
