@@ -333,3 +333,18 @@ def test_amplitude_map_writes_a_row_a_tube(capsys, tmp_path):
     assert (status, len(out.splitlines())) == (0, 1 + 9 * 2)
     assert is_png(tmp_path / "m.png")
     assert {"0:2"} <= set(pd.read_csv(meetings)["mode"])
+
+
+@pytest.mark.parametrize(("family", "mode"), [("ring", "0,3"), ("coil", "1,1"), ("buckle", "1,1")])
+def test_other_families_have_the_columns_of_pearls(capsys, tmp_path, family, mode):
+    picture = tmp_path / "b.png"
+    options = ["--c0", "0", "--length", "10", "--mode", mode, "--until", "v=0.99", "--plot", str(picture)]
+    status, out, _ = run(capsys, "branch", family, *options)
+    assert status == 0
+    table = pd.read_csv(io.StringIO(out))
+    assert list(table.columns)[:5] == ["point", "special", "lambda1", "lambda2", "v"]
+    assert table.special.iloc[-1] == "stop"
+    assert table.v.iloc[-1] == pytest.approx(0.99, abs=1e-11)
+    assert is_png(picture)
+    status, _, err = run(capsys, "branch", family, *options, "--save", str(tmp_path / "b.h5"))
+    assert (status, err.count("\n")) == (2, 1)

@@ -13,6 +13,8 @@ from pearlbvp.continuation.path import PathOptions, correct
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
+from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.theory.dispersion import growth_rate
 from pearlbvp.tube.density import gradients, hessians
@@ -166,3 +168,19 @@ def test_what_is_no_family_of_the_mode_is_refused():
         onset(Tube(0.0, 10), "ring", 1, 1)
     with pytest.raises(InputError, match="^mode: "):
         onset(Tube(0.0, 10), "coil", 1, 2)
+
+
+def test_the_paper_s_secondary_branch_points():
+    """c0 = -1: wrinkles lose stability to oblates near lambda2 = 1.61. c0 = 0.48: lambda2 turns on the buckles."""
+    wrinkles = tube_branch(-1.0, 10, "ring", (0, 2), branch_options({"v": 0.85}))
+    (lost,) = wrinkles.find("bp")
+    assert wrinkles.at(lost).observables["lambda2"] == pytest.approx(1.61, abs=0.005)
+    assert (lost.change, str(lost.block)) == (2, "j=1 even")
+    buckles = tube_branch(0.48, 10, "buckle", (1, 1), branch_options({"v": 0.975}, max_step=0.1))
+    (fold,) = buckles.find("fold:lambda2")
+    assert buckles.at(fold).observables["v"] == pytest.approx(0.979822, abs=1e-5)
+    assert (buckles.table().n_unstable.iloc[1:] == 0).all()
+    coils = tube_branch(0.48, 10, "coil", (1, 1), branch_options({"v": 0.9}, max_step=0.3))
+    assert coils.find("fold:lambda2") == []
+    (regained,) = coils.find("bp")
+    assert regained.change == -2

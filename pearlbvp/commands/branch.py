@@ -31,12 +31,17 @@ if TYPE_CHECKING:
     epilog="Examples:  pearlbvp branch pearl --c0 0 --length 10 --until v=1.3 --save b.h5 --plot b.png  |  "
     "pearlbvp branch pearl --resume b.h5 --until v=1.34  |  "
     "pearlbvp branch pearl --resume b.h5 --switch 1 --centre neck --until v=1.2  |  "
-    "pearlbvp branch pearl --c0 0.75 --length 10 --shape=-0.3,0.5 --volume 1.0 --until v=1.1"
+    "pearlbvp branch pearl --c0 0.75 --length 10 --shape=-0.3,0.5 --volume 1.0 --until v=1.1  |  "
+    "pearlbvp branch coil --c0 0 --length 10 --until v=0.8 --plot c.png"
 )
-@click.argument("family", type=click.Choice(["pearl"]))
+@click.argument("family", type=click.Choice(["pearl", "ring", "coil", "buckle"]))
 @click.option("--c0", type=Number(), help="Spontaneous curvature.")
 @click.option("--length", type=Number(), metavar="L", help="Axial period of the tube.")
-@click.option("--mode", type=ModeNumbers(), default="1,0", show_default=True, help="Waves along and around the tube.")
+@click.option(
+    "--mode",
+    type=ModeNumbers(),
+    help="Waves along and around the tube.  [default: 1,0 for pearls, 0,2 for rings, 1,1 for coils and buckles]",
+)
 @click.option(
     "--shape",
     type=Numbers(),
@@ -83,7 +88,7 @@ def branch(
     family: str,
     c0: float | None,
     length: float | None,
-    mode: tuple[int, int],
+    mode: tuple[int, int] | None,
     shape: list[float] | None,
     volume: float | None,
     cells: int,
@@ -107,11 +112,13 @@ def branch(
     plot: Path | None,
     radius: float,
 ) -> int:
-    """Follow a branch of shapes, with its special points and the stability of every point.
+    """Follow a branch of pearls, rings, coils or buckles, with special points and the stability of every point.
 
     Columns: point, special (start, bp, fold:NAME, cmc, stop, end), lambda1, lambda2, v, E, amplitude, r_min,
     r_max, n_unstable, mu_crit (largest growth rate over all perturbations that fit the tube), critical (its n,
-    and its wave number j per periods on the tube), c0, L.
+    and its wave number j per periods on the tube; of rings, coils and buckles its symmetry), c0, L.
+
+    Rings, coils and buckles are followed from the straight tube on; saving and switching are for pearls only.
     """
     from pearlbvp.files import writable
     from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius
@@ -144,7 +151,12 @@ def branch(
     unused = sorted(given & {"mode", "tolerance", "pressure"})
     if resume is not None and unused:
         raise InputError(f"--{unused[0]}: the saved branch has its own; leave it out")
-    if mode[1] != 0:
+    mode = mode or MODES[family]
+    if family != "pearl":
+        unused = sorted(given & (PEARLS_ONLY | set().union(*_BRANCH_OPTIONS.values())))
+        if unused:
+            raise InputError(f"--{unused[0]}: it is for pearls only; leave it out with {family}")
+    elif mode[1] != 0:
         raise InputError(f"--mode: pearls have n = 0, so {mode[0]},{mode[1]} is none of them; give {max(mode[0], 1)},0")
     from tqdm import tqdm
 
@@ -161,7 +173,13 @@ def branch(
 
         options = study.branch_options(wanted, max_points=max_points, step=step, max_step=max_step, progress=progress)
         fixed: Any = "area" if pressure else "area and volume"
-        if shape is not None:
+        found: Any
+        if family != "pearl":
+            from pearlbvp.studies.tube import tube_branch
+
+            tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
+            found = tube_branch(tube.c0, tube.length, family, mode, options, fixed=fixed)  # type: ignore[arg-type]
+        elif shape is not None:
             tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
             scaled = [amplitude / radius for amplitude in shape]
             found = study.shape_branch(
@@ -171,7 +189,7 @@ def branch(
             tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
             found = study.pearl_branch(tube.c0, tube.length, mode[0], options, tolerance=tolerance, fixed=fixed)
         elif vary is not None and follow is not None:
-            found = study.followed(study.load(resume), *follow, vary, options, upwards=not down)  # type: ignore[assignment]
+            found = study.followed(study.load(resume), *follow, vary, options, upwards=not down)
         elif vary is not None:
             found = study.varied(study.load(resume), point, vary, options, keep=keep, upwards=not down)
         elif switch is None:
@@ -194,6 +212,12 @@ def branch(
         return INTERRUPTED
     return SOME_FAILED if wanted and not found.complete else DONE
 
+
+MODES = {"pearl": (1, 0), "ring": (0, 2), "coil": (1, 1), "buckle": (1, 1)}
+"""Modes that the families have unless others are given."""
+
+PEARLS_ONLY = {"shape", "volume", "tolerance", "save", "resume", "switch", "vary"}
+"""Options that rings, coils and buckles do not have."""
 
 _BRANCH_OPTIONS = {
     "vary": {"keep", "point", "down", "follow"},

@@ -64,6 +64,22 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
     axes.set_yticks([])
 
 
+def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
+    """Cross-sections of some tubes along a branch, each at four places along a wave, side by side."""
+    chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
+    width = 2.8 * max(branch.points[i].observables["r_max"] for i in chosen)
+    for place, index in enumerate(chosen):
+        point = branch.points[index].point
+        colour = COLOURS[0] if branch.points[index].spectrum.n_unstable == 0 else COLOURS[1]
+        for x in np.arange(4) / 4 * 2 * np.pi / point.problem.k:
+            y, z = point.problem.section(point.u, x)
+            axes.plot(y + place * width, z, color=colour, linewidth=1.0, alpha=0.7)
+        label = f"point {index}\nv = {point.observables['v']:.4f}"
+        axes.text(place * width, -0.75 * width, label, ha="center", va="center", fontsize=8)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_yticks([])
+
+
 def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Figure:
     """Energy and pressure over the reduced volume, the two multipliers, and shapes."""
     figure, axes = new_figure(2, 2, width=9.5, height=7.5)
@@ -82,7 +98,11 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Fi
     for place, (x, y) in zip(axes.ravel(), pairs, strict=False):
         draw_curve(place, table, x, y, COLOURS[0])
         dress(place, names[x], names[y], title if place is axes[0, 0] else "")
-    draw_shapes(axes[1, 1], branch)
-    dress(axes[1, 1], "axial position x (radii)", "", "shapes: stable blue, unstable brown")
+    if hasattr(branch.points[0].point.problem, "section"):
+        draw_sections(axes[1, 1], branch)
+        dress(axes[1, 1], "y (radii), shapes beside one another", "", "sections: stable blue, unstable brown")
+    else:
+        draw_shapes(axes[1, 1], branch)
+        dress(axes[1, 1], "axial position x (radii)", "", "shapes: stable blue, unstable brown")
     axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize="medium")
     return figure

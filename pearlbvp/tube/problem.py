@@ -155,6 +155,14 @@ class TubeProblem:
         radii = self._fine @ u[:-3]
         return float(radii.min()), float(radii.max())
 
+    def section(self, u: Array, x: float, points: int = 181) -> tuple[Array, Array]:
+        """The cross-section at ``x`` as a closed curve in the plane: ``y`` and ``z``."""
+        phi = np.linspace(0, 2 * math.pi, points)
+        basis = Basis.of(self.modes, self.k, self.kappa, np.full(points, x), phi)
+        moved = basis.displacement() @ u[:-3]  # turned by e^{-i(kappa x + phi)}
+        curve = (moved[:, 0] + 1j * moved[:, 1]) * np.exp(1j * (self.kappa * x + phi))
+        return curve.real, curve.imag
+
     def tail(self, u: Array) -> tuple[float, float]:
         """Largest coefficients among the last fifth of the wave numbers, along and around the tube."""
         coefficients = np.abs(u[:-3])
