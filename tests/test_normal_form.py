@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from test_continuation import Curve
 
 from pearlbvp.continuation.normal_form import normal_form
 from pearlbvp.helfrich import Tube
@@ -11,35 +12,16 @@ from pearlbvp.studies.normal_form import COLUMNS, form_at, normal_forms, rate_by
 from pearlbvp.theory.amplitude import amplitude_equation
 
 
-class Polynomial:
-    """``(x - p)(y - x ...)``-like curves in the plane (x, y), with a known normal form at the origin."""
-
-    def __init__(self, function, gradient):
-        self.function, self.gradient = function, gradient
-
-    def residual(self, u):
-        return np.array([self.function(*u)])
-
-    def solve(self, u, rhs, row=None):
-        return np.linalg.solve(np.vstack((self.gradient(*u), row)), rhs)
-
-    def inner(self, u, v):
-        return float(u @ v)
-
-    def observables(self, u):
-        return {"x": float(u[0]), "y": float(u[1])}
-
-
 def test_a_pitchfork_and_a_transcritical_crossing_in_the_plane():
     tiny = 1e-13  # the Jacobian at a branch point found by computation is not exactly singular
-    pitchfork = Polynomial(
+    pitchfork = Curve(
         lambda x, y: y * (x - 3 * y**2 + 2 * x * y**2) + tiny * y,
         lambda x, y: [y * (1 + 2 * y**2), x - 9 * y**2 + 6 * x * y**2 + tiny],
     )
     form = normal_form(pitchfork, np.zeros(2), np.array([1.0, 0.0]), names=("x",))
     assert form.pitchfork
     assert form.quadratic["x"] == pytest.approx(3, rel=1e-8)
-    crossing = Polynomial(lambda x, y: y * (x - 0.5 * y) + tiny * y, lambda x, y: [y, x - y + tiny])
+    crossing = Curve(lambda x, y: y * (x - 0.5 * y) + tiny * y, lambda x, y: [y, x - y + tiny])
     assert normal_form(crossing, np.zeros(2), np.array([1.0, 0.0])).slope == pytest.approx(0.5, rel=1e-8)
 
 

@@ -65,12 +65,6 @@ class PiecewisePolynomial:
         inside = (starts[:-1, None] + pieces).reshape(-1, pieces.shape[2])
         return np.concatenate((starts[:1], inside))
 
-    def highest_derivative(self) -> Array:
-        """The ``m``-th derivative, constant on each interval: shape (N, n)."""
-        h = np.diff(self.mesh)
-        result: Array = np.einsum("j,ijn->in", self.scheme.leading, self.local()) / h[:, None] ** self.scheme.m
-        return result
-
 
 def all_points(mesh: Array, scheme: Scheme) -> Array:
     """The points of every interval in one row, shared ends once: shape (N*m + 1,)."""

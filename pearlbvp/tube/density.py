@@ -15,8 +15,6 @@ import numpy as np
 
 from pearlbvp.compiled import compiled
 
-FIELDS = 10
-
 
 @compiled
 def _invariants(z, first):  # type: ignore[no-untyped-def]
