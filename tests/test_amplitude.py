@@ -252,6 +252,10 @@ def test_predictions_and_computed_branches_differ_by_the_next_order():
     assert table.E_order.iloc[1:].to_numpy() == pytest.approx(4, abs=0.12)
     with pytest.raises(InputError, match="^compare: "):
         compared(branch[["v"]], amplitude_equation(Tube(0.0, 10), (1, 0)), "pearl")
+    with pytest.raises(InputError, match="^compare: .*c0"):
+        compared(branch, amplitude_equation(Tube(0.3, 10), (1, 0)), "pearl")
+    with pytest.raises(InputError, match="^compare: .*leaves the cylinder"):
+        compared(branch, amplitude_equation(Tube(0.0, 10), (1, 1)), "coil")
     with pytest.raises(InputError, match="^compare: .*above 1"):
         compared(branch.assign(v=0.9), amplitude_equation(Tube(0.0, 10), (1, 0)), "pearl")
 
@@ -297,5 +301,6 @@ def test_the_two_mode_equations_find_the_crossing_of_m_and_2m_pearls():
         assert beside["lambda2"][0] == pytest.approx(float(predicted["lambda2"]), abs=1e-4)
     assert abs(errors[0]) < 0.01
     assert errors[1] / errors[0] == pytest.approx(0.5, abs=0.05)
-    with pytest.raises(InputError, match="^mode: "):
-        Resonance(Tube(0.4, 10), 0)
+    for length, m in ((10, 0), (10, math.nan), (4 * math.pi, 1), (2 * math.pi, 1)):
+        with pytest.raises(InputError, match="^mode: "):
+            Resonance(Tube(0.4, length), m)

@@ -321,9 +321,18 @@ def test_amplitude_writes_coefficients_predictions_and_comparisons(capsys, tmp_p
         run(capsys, *map(str, ("amplitude", *tube, "--mode", "1,1", "--family", "buckle", "--branch", beside)))[0] == 0
     )
     assert pd.read_csv(beside).n_unstable.iloc[-1] == 1  # coils are stable there, buckles are not
-    for wrong in (["--mode", "0,1"], ["--mode", "1,1", "--family", "pearl"], ["--mode", "1,1", "--largest", "9"]):
+    before = computed.read_bytes()
+    same = ["--mode", "1,0", "--compare", str(computed), "--branch", str(computed)]
+    for wrong in (
+        same,
+        ["--mode", "1,0", "--compare", str(computed)],
+        ["--mode", "0,1"],
+        ["--mode", "1,1", "--family", "pearl"],
+        ["--mode", "1,1", "--largest", "9"],
+    ):
         status, _, err = run(capsys, "amplitude", *tube, *wrong)
         assert (status, err.count("\n")) == (2, 1)
+    assert computed.read_bytes() == before
 
 
 def test_amplitude_map_writes_a_row_a_tube(capsys, tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number, Numbers
 from pearlbvp.commands.output import check_distinct, check_outputs, outputs, write, write_table
+from pearlbvp.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,6 +47,10 @@ def amplitude(
     Columns: c0, L, m, n, type, lambda2, lambda1, a, b (or b1, b2), alpha2, stable (the family that is stable at
     its onset at fixed area and volume), role, criticality. Amplitudes are in radii: u = 2 A cos(kx + n phi). All is in
     units of the tube's radius.
+
+    The predicted branch has the columns of `branch`, growth rates to leading order. With --compare its columns are A, v
+    and, of lambda1, lambda2 and E, the computed and the predicted value at that v, the error relative to the change
+    since the onset, and the order in A at which it falls.
     """
     from pearlbvp.files import writable
     from pearlbvp.helfrich import Tube
@@ -54,12 +60,16 @@ def amplitude(
 
     out, plot = check_outputs(out, plot)
     branch = None if branch is None else writable("--branch", branch)
-    check_distinct({"--compare": compare, "--out": out, "--plot": plot, "--branch": branch})
+    start = None if compare is None else Path(os.path.realpath(compare))
+    check_distinct({"--compare": start, "--out": out, "--plot": plot, "--branch": branch})
+    idle = [name for name, value in (("--family", family), ("--largest", largest), ("--compare", compare)) if value]
+    if idle and branch is None and plot is None:
+        raise InputError(f"{idle[0]}: it shapes the predicted branch only; give --branch or --plot, too")
     tube = Tube(c0, length)
     table = coefficients(tube.c0, tube.length, modes)
     equation = amplitude_equation(tube, modes[0])
     chosen = family_named(family) if family else equation.preferred
-    computed = None if compare is None else read_reference(compare, ("v", *COMPARED))
+    computed = None if compare is None else read_reference(compare, ("v", *COMPARED, "c0", "L"))
     predicted: dict[str, pd.DataFrame] = {
         name: predicted_branch(tube.c0, tube.length, modes[0], name, largest).table()
         for name in (equation.families if family is None else (chosen,))

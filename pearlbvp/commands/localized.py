@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from pearlbvp.commands.arguments import Number, Numbers
-from pearlbvp.commands.output import check_outputs, computed_aside, outputs, radius_option, write
+from pearlbvp.commands.output import check_distinct, check_outputs, computed_aside, outputs, radius_option, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,6 +42,8 @@ def localized(
     from pearlbvp.helfrich import Tube, in_units_of_radius, positive
 
     out, plot = check_outputs(out, plot)
+    start = None if compare is None else Path(os.path.realpath(compare))
+    check_distinct({"--compare": start, "--out": out, "--plot": plot})
     tube = Tube.from_dimensional(c0, positive("--period", period), positive("--radius", radius))
     reference = None
     if compare is not None:

@@ -178,13 +178,24 @@ def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -
         2 for the multipliers, 4 for the energy, whose predictions are right to the square and to the fourth power.
 
     Raises:
-        InputError: a column is missing, or no point can be compared.
+        InputError: a column is missing, the table is of another tube or mode, or no point can be compared.
     """
     import pandas as pd
 
     missing = [name for name in ("v", *COMPARED) if name not in table]
     if missing:
         raise InputError(f"compare: the table has no column {', '.join(missing)}; give that of a branch")
+    for name, value in (("c0", equation.tube.c0), ("L", equation.tube.length)):
+        if name in table and (np.abs(table[name] - value) > 1e-6 * (1 + abs(value))).any():
+            raise InputError(
+                f"compare: the table is of {name} = {table[name].iloc[0]:g}, not {value:g}; give that of this tube"
+            )
+    start = table[(table["v"] - 1).abs() < 1e-9]
+    if len(start) and abs(start["lambda2"].iloc[0] - equation.lambda2) > 1e-6 * (1 + abs(equation.lambda2)):
+        raise InputError(
+            f"compare: the table's branch leaves the cylinder at lambda2 = {start['lambda2'].iloc[0]:.6g}, mode "
+            f"({equation.m},{equation.n}) at {equation.lambda2:.6g}; give that of this mode"
+        )
     cylinder = equation.at(family, 0.0)
     A = np.array([equation.amplitude_at(family, v) for v in table["v"]])
     chosen = A > 1e-6

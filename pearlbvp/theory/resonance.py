@@ -62,9 +62,9 @@ class Resonance:
     m: int = 1
 
     def __post_init__(self) -> None:
-        if self.m != int(self.m) or self.m < 1:
+        if not float(self.m).is_integer() or self.m < 1:
             raise InputError(f"mode: {self.m} waves are none; give a whole number from 1 on")
-        if not max(abs(self.onset), abs(self.onset_double)) < 1e6:
+        if not (abs(self.onset) < 1e6 and abs(self.onset_double) < 1e6):  # not a number included
             raise InputError(f"mode: {self.m} or {2 * self.m} pearls on L = {self.tube.length:g} have k = 1; change L")
 
     @cached_property
