@@ -30,6 +30,13 @@ def densities():
     return found
 
 
+def all_waves(most):
+    """Products of a cosine or sine along the tube and one around it, up to a wave number each way."""
+    functions = [(f, g) for f in (np.cos, np.sin) for g in (np.cos, np.sin)]
+    numbers = [(a, b) for a in range(most + 1) for b in range(most + 1)]
+    return [(a, b, f, g) for a, b in numbers for f, g in functions if (a or f is np.cos) and (b or g is np.cos)]
+
+
 @dataclass(frozen=True)
 class Graphs:
     """Waves ``cos`` or ``sin`` of ``a k x + b n phi``, or products: their six fields on a grid.

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 sys.path.insert(0, str(Path(__file__).parent / "derivations"))
 
 import amplitude as derived
-from graphs import Graphs
+from graphs import Graphs, all_waves
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
@@ -155,14 +155,7 @@ def test_computed_branches_have_the_coefficients_as_limits(c0, length, mode, fam
 def test_growth_rates_on_coils_and_buckles_are_those_of_the_reduced_equations(c0, length):
     """At fixed area and volume ``(b2 - b1) A^2`` twice on coils and ``2 (b1 - b2) A^2`` on buckles, as ``A`` tends to zero."""
     equation = amplitude_equation(Tube(c0, length), (1, 1))
-    functions = [(f, g) for f in (np.cos, np.sin) for g in (np.cos, np.sin)]
-    waves = [
-        (a, b, f, g)
-        for a in range(5)
-        for b in range(5)
-        for f, g in functions
-        if (a or f is np.cos) and (b or g is np.cos)
-    ]
+    waves = all_waves(4)
     for family, count in (("coil", 2), ("buckle", 1)):
         graphs, place, factor = graphs_of(equation, family, 4)
         fine = Graphs.of(equation.k, 1, c0, waves, (20, 20))

@@ -372,41 +372,6 @@ def test_through_a_surface_of_constant_mean_curvature():
     assert "n = 12" in branch.reason  # under large compression all short waves grow
 
 
-def test_a_fold_followed_in_c0_is_the_fold_of_the_other_branch():
-    """The first fold in v at c0 = 0.75, followed to c0 = 0.65, is the first fold of the branch at c0 = 0.65."""
-    here = pearl_branch(0.75, 10, 1, branch_options({"v": 0.99}))
-    curve = followed(here, "fold:v", 1, "c0", branch_options({"c0": 0.65}, step=0.02, max_step=0.2), upwards=False)
-    assert curve.complete
-    there = pearl_branch(0.65, 10, 1, branch_options({"v": 0.99}))
-    expected = there.at(there.find("fold:v")[0]).observables
-    found = curve.points[-1].observables
-    for name in ("lambda1", "lambda2", "v", "E", "r_min"):
-        assert found[name] == pytest.approx(expected[name], abs=1e-7)
-
-
-def test_a_branch_point_followed_in_length_stays_one():
-    """Where two pearls of period 7.5 give way (L = 15), followed to L = 14: the localized table of period 7."""
-    here = pearl_branch(0.48, 15, 2, branch_options({"v": 1.01}))
-    curve = followed(here, "bp", 1, "L", branch_options({"L": 14.0}, step=0.05, max_step=0.3), upwards=False)
-    assert curve.complete
-    expected = localized_pearls(0.48, 7.0, 14).iloc[0]
-    found = curve.points[-1].observables
-    for name in ("lambda2", "v", "E"):
-        assert found[name] == pytest.approx(expected[name], abs=1e-8)
-
-
-def test_stability_along_a_followed_fold_is_that_of_the_branch():
-    """Where the energy turns without the volume (lambda2 = 0) no growth rate is zero, so none is left out."""
-    here = pearl_branch(0.75, 10, 1, branch_options({"v": 1.02}))
-    special = here.find("fold:E")[0]
-    assert here.at(special).observables["lambda2"] == pytest.approx(0, abs=1e-9)
-    curve = followed(here, "fold:E", 1, "c0", branch_options(max_points=30, step=0.05, max_step=0.2), upwards=False)
-    assert curve.points[0].spectrum.n_unstable == here.at(special).spectrum.n_unstable == 6
-    # The shapes become straight where pearls begin at lambda2 = 0, and the curve ends there.
-    assert "straight tube" in curve.reason
-    assert curve.points[-1].observables["v"] == pytest.approx(1, abs=1e-5)
-
-
 def test_a_spectrum_that_fails_ends_the_branch_and_keeps_its_points(monkeypatch):
     calls = 0
     spectrum = PearlProblem.spectrum
@@ -424,21 +389,6 @@ def test_a_spectrum_that_fails_ends_the_branch_and_keeps_its_points(monkeypatch)
     assert "spectrum" in branch.reason
     assert 3 <= len(branch.points) <= 5
     assert branch.kinds(len(branch.points) - 1) == ["end"]
-
-
-def test_the_first_fold_leaves_its_branch_where_c0_turns():
-    """c0 = 0.5906: the pearls' branch exchanges its parts with that of two unequal pearls, and c0 turns on the fold's curve."""
-    here = pearl_branch(0.6, 10, 1, branch_options({"v": 0.99}))
-    curve = followed(here, "fold:v", 1, "c0", branch_options(max_points=22, step=0.01, max_step=0.05), upwards=False)
-    turn = curve.at(curve.find("fold:c0")[0]).observables
-    assert turn["c0"] == pytest.approx(0.59064, abs=5e-5)
-    # Just above, the branch still has its fold; just below it goes on to two unequal pearls of larger volume.
-    above = pearl_branch(0.5907, 10, 1, branch_options({"v": 0.99}))
-    below = pearl_branch(0.5905, 10, 1, branch_options({"v": 1.02}))
-    assert len(above.find("fold:v")) == 1
-    assert (above.table().n_unstable > 0).all()
-    assert below.find("fold:v") == []
-    assert below.points[-1].observables["r_max"] > 1.4
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from graphs import Graphs
+from graphs import Graphs, all_waves
 from test_amplitude import graphs_of
 
 from pearlbvp.continuation.branch import BranchOptions, continue_branch, start_point
@@ -142,14 +142,7 @@ def test_stability_at_onset_is_that_of_the_amplitude_equations(coil, buckle):
 def test_the_spectrum_of_a_coil_is_that_of_its_graph():
     """Growth rates by another discretization, about the axis and in two dimensions."""
     equation = amplitude_equation(Tube(0.48, 10), (1, 1))
-    functions = [(f, g) for f in (np.cos, np.sin) for g in (np.cos, np.sin)]
-    waves = [
-        (a, b, f, g)
-        for a in range(6)
-        for b in range(6)
-        for f, g in functions
-        if (a or f is np.cos) and (b or g is np.cos)
-    ]
+    waves = all_waves(5)
     graphs, place, factor = graphs_of(equation, "coil", 6)
     u, lambda1, lambda2, v, _ = graphs.solve(place, 0.05 * factor, equation.lambda1, equation.lambda2)
     fine = Graphs.of(equation.k, 1, 0.48, waves, (24, 24))

@@ -130,9 +130,10 @@ WAVES: dict[str, tuple[Wave, int]] = {
     "A": ((1, 1), 1), "B": ((1, -1), 1), "A00": ((0, 0), 2), "A22": ((2, 2), 2), "B22": ((2, -2), 2),
     "A20": ((2, 0), 2), "A02": ((0, 2), 2),
 }  # fmt: skip
-AMPLITUDES = {"A", "B", "C", "A00", "A22", "B22", "A20", "A02", "A3", "C4"}
 """Coiling waves ``(k, n)`` and ``(k, -n)`` with all that their products excite. Pearls have ``n = 0``, wrinkles ``k = 0``,
 and one of the two waves."""
+
+AMPLITUDES = {"A", "B", "C", "A00", "A22", "B22", "A20", "A02", "A3", "C4"}
 
 
 @cache
