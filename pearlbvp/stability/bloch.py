@@ -63,7 +63,7 @@ def isothermal_points(profile: Profile, count: int) -> tuple[Array, float]:
 
 
 @lru_cache(maxsize=64)
-def _waves(count: int, theta: float, parity: str | None) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+def waves(count: int, theta: float, parity: str | None) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Waves, their derivatives, and wave numbers per period, at the points ``(j + 1/2) / count``.
 
     Without parity: ``e^{i kappa xi}`` on ``count`` points. With parity: cosines or sines on the first half of the points,
@@ -145,7 +145,7 @@ class SecondVariation:
         """
         if parity is not None and not (self.symmetric and theta in (0.0, np.pi)):
             raise ValueError("parity: only waves with theta = 0 or pi on a profile with planes of reflection have one")
-        wave, slope_wave, per_period = _waves(len(self.r), theta, parity)
+        wave, slope_wave, per_period = waves(len(self.r), theta, parity)
         here = slice(None, len(wave))
         r = self.r[here]
         kappa = per_period / self.xi_period
@@ -174,11 +174,11 @@ class SecondVariation:
         return np.asarray(np.linalg.eigvalsh(matrix)[::-1])
 
 
-def restrict(matrix: NDArray[Any], normals: Array) -> NDArray[Any]:
+def restrict(matrix: NDArray[Any], normals: NDArray[Any]) -> NDArray[Any]:
     """A Hermitian matrix on the orthogonal complement of some vectors, shape (K, j), of which some may be parallel."""
     basis, sizes, _ = np.linalg.svd(normals, full_matrices=True)
     allowed = basis[:, int((sizes > 1e-8 * sizes[0]).sum()) :]
-    restricted: NDArray[Any] = allowed.T @ matrix @ allowed
+    restricted: NDArray[Any] = allowed.conj().T @ matrix @ allowed
     return restricted
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +62,7 @@ def _kernel(variation: SecondVariation, block: Block) -> Array | None:
     return None
 
 
-def _residual(matrix: NDArray[Any], kernel: Array) -> float:
+def kernel_residual(matrix: NDArray[Any], kernel: Array) -> float:
     """Size of ``(matrix - shift)^{-1} matrix kernel``: the error of a unit kernel vector, in the units of growth rates.
 
     The plain residual would be that of a fourth derivative, in which the rounding of the profile drowns everything else.
@@ -76,7 +76,7 @@ def block_rates(variation: SecondVariation, block: Block, fixed: Fixed = "area a
     """Growth rates of a block without its exact kernel, largest first, and how well that kernel is one.
 
     Returns:
-        The rates, and how far the exact kernel is from one (0 where there is none); see ``_residual``.
+        The rates, and how far the exact kernel is from one (0 where there is none); see ``kernel_residual``.
     """
     matrix = variation.matrix(block.n, block.theta, block.parity)
     size = len(matrix)
@@ -85,7 +85,7 @@ def block_rates(variation: SecondVariation, block: Block, fixed: Fixed = "area a
     kernel = _kernel(variation, block)
     if kernel is not None and np.abs(kernel).max() > 1e-6:
         kernel = kernel[:size] / np.linalg.norm(kernel[:size])
-        residual = _residual(matrix, kernel)
+        residual = kernel_residual(matrix, kernel)
         normals.append(kernel)
     if block.n == 0 and block.j == 0 and block.parity != "odd" and fixed != "nothing":
         normals.append(variation.h[:size] * variation.r[:size])
@@ -107,10 +107,12 @@ class Spectrum:
         complete: whether all unstable waves are among them; else more wind around the tube than were looked at.
     """
 
-    rates: dict[Block, Array]
+    rates: dict[Any, Array]
     residual: float
     points: int
     complete: bool = True
+    block: ClassVar[Any] = Block
+    """What the blocks are: three whole numbers and a parity."""
 
     @property
     def neutral(self) -> float:
@@ -126,7 +128,7 @@ class Spectrum:
         """Everything as arrays and numbers, to be saved."""
         parities = {None: 0, "even": 1, "odd": 2}
         return {
-            "blocks": np.array([(b.n, b.j, b.cells, parities[b.parity]) for b in self.rates], dtype=np.int64),
+            "blocks": np.array([(*b[:3], parities[b.parity]) for b in self.rates], dtype=np.int64),
             "rates": np.concatenate(list(self.rates.values())),
             "sizes": np.array([len(rates) for rates in self.rates.values()], dtype=np.int64),
             "complete": self.complete,
@@ -135,16 +137,16 @@ class Spectrum:
         }
 
     @classmethod
-    def from_tree(cls, tree: Mapping[str, Any]) -> Spectrum:
+    def from_tree(cls, tree: Mapping[str, Any]) -> Self:
         """The inverse of ``to_tree``."""
         parities = (None, "even", "odd")
-        blocks = [Block(int(n), int(j), int(cells), parities[parity]) for n, j, cells, parity in tree["blocks"]]
+        blocks = [cls.block(*map(int, numbers), parities[parity]) for *numbers, parity in tree["blocks"]]
         pieces = np.split(np.asarray(tree["rates"], dtype=float), np.cumsum(tree["sizes"])[:-1])
         rates = dict(zip(blocks, pieces, strict=True))
         return cls(rates, float(tree["residual"]), int(tree["points"]), bool(tree["complete"]))
 
     @property
-    def critical(self) -> Block:
+    def critical(self) -> Any:
         """The block of the largest growth rate."""
         return max(self.rates, key=lambda block: float(self.rates[block][0]))
 

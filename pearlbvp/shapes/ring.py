@@ -1,0 +1,331 @@
+"""Rings, the wrinkled tubes, as ``continuation`` takes them: plane elasticae under pressure by collocation.
+
+A ring of ``n`` lobes is its half lobe, from tip to waist (``theory.elastica`` has the equation and its exact solution). It is
+solved in the unit of length ``2/n`` radii, in which half a lobe is ``pi/2`` long for every ``n`` and its numbers do not grow
+with ``n``: states ``psi, kappa, slope`` (turn of the tangent, curvature, its derivative), by ``t = 2 s/pi`` in [0, 1],
+
+    psi' = (pi/2) kappa    kappa' = (pi/2) slope    slope' = (pi/2) (a kappa + p - kappa^3/2),
+
+``psi = slope = 0`` at the tip, ``psi = pi/n, slope = 0`` at the waist. Force balance makes the position times ``p`` the force
+turned by a right angle, hence the enclosed area a mean over the arc, with no position among the states:
+
+    mean of (kappa^2/2 - a) = (n/2) p v.
+
+Five conditions for three states and ``a, p, v`` leave a curve of solutions. Neither ``c0`` nor the tube's length is in it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from pearlbvp.collocation import (
+    BoundaryValueProblem,
+    Discretization,
+    equidistribute,
+    error_estimate,
+    gauss_scheme,
+    intervals_for,
+)
+from pearlbvp.collocation.polynomial import all_points
+from pearlbvp.collocation.scheme import Array
+from pearlbvp.helfrich import Tube
+from pearlbvp.stability.bloch import Fixed
+from pearlbvp.stability.planar import PlanarBlock, PlanarSpectrum, PlaneProfile, planar_rates, planar_spectrum
+from pearlbvp.theory.elastica import lobes
+
+QUARTER = math.pi / 2
+
+
+def _rhs(t: Array, y: Array, p: Array) -> Array:
+    _, kappa, slope = y.T
+    return QUARTER * np.column_stack((kappa, slope, p[1] * kappa + p[2] - kappa**3 / 2))
+
+
+def _rhs_jacobian(t: Array, y: Array, p: Array) -> tuple[Array, Array]:
+    by_y, by_p = np.zeros((len(y), 3, 3)), np.zeros((len(y), 3, 4))
+    by_y[:, 0, 1] = by_y[:, 1, 2] = QUARTER
+    by_y[:, 2, 1] = QUARTER * (p[1] - 1.5 * y[:, 1] ** 2)
+    by_p[:, 2, 1], by_p[:, 2, 2] = QUARTER * y[:, 1], QUARTER
+    return by_y, by_p
+
+
+def _boundary(ya: Array, yb: Array, p: Array) -> Array:
+    return np.array([ya[0], ya[2], yb[0] - math.pi / p[0], yb[2]])
+
+
+def _boundary_jacobian(ya: Array, yb: Array, p: Array) -> tuple[Array, Array, Array]:
+    by_ya, by_yb, by_p = np.zeros((4, 3)), np.zeros((4, 3)), np.zeros((4, 4))
+    by_ya[0, 0] = by_ya[1, 2] = by_yb[2, 0] = by_yb[3, 2] = 1.0
+    by_p[2, 0] = math.pi / p[0] ** 2
+    return by_ya, by_yb, by_p
+
+
+def _virial(t: Array, y: Array, p: Array) -> Array:
+    return np.asarray(y[:, 1:2] ** 2 / 2 - p[1] - p[0] / 2 * p[2] * p[3])
+
+
+def _virial_jacobian(t: Array, y: Array, p: Array) -> tuple[Array, Array]:
+    by_y = np.zeros((len(y), 1, 3))
+    by_y[:, 0, 1] = y[:, 1]
+    by_p = np.array([-p[2] * p[3] / 2, -1.0, -p[0] / 2 * p[3], -p[0] / 2 * p[2]])
+    return by_y, np.broadcast_to(by_p, (len(y), 1, 4))
+
+
+HALF_LOBE = BoundaryValueProblem(
+    states=("psi", "kappa", "slope"),
+    parameters=("n", "a", "p", "v"),
+    rhs=_rhs,
+    rhs_jacobian=_rhs_jacobian,
+    boundary=_boundary,
+    boundary_jacobian=_boundary_jacobian,
+    integrand=_virial,
+    integrand_jacobian=_virial_jacobian,
+)
+FREE = ("a", "p", "v")
+
+
+@dataclass(frozen=True)
+class RingProblem:
+    """Rings of ``n`` lobes on a mesh, as ``continuation`` takes them: ``residual(u) = 0`` is a curve.
+
+    Attributes:
+        discretization: collocation of the half lobe.
+        n: number of lobes.
+        c0, length: the tube's.
+        tolerance: estimated error of the profile at which ``remesh`` acts.
+        fixed: what perturbations keep, for stability.
+    """
+
+    discretization: Discretization
+    n: int
+    c0: float
+    length: float
+    tolerance: float
+    fixed: Fixed = "area and volume"
+
+    def residual(self, u: Array) -> Array:
+        """Defects, boundary conditions and the virial at ``u``."""
+        return self.discretization.residual(u)
+
+    def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
+        """Bordered solve of the residual's Jacobian at ``u``; see ``Discretization.solve``."""
+        return self.discretization.solve(u, rhs, row)
+
+    def inner(self, u: Array, v: Array) -> float:
+        """Inner product that does not depend on the mesh."""
+        return self.discretization.inner(u, v)
+
+    def profile(self, u: Array) -> PlaneProfile:
+        """The section, for ``stability`` and pictures."""
+        polynomial, scale = self.discretization.polynomial(u), self._scale
+        multipliers = self._multipliers(u)
+        return PlaneProfile(lambda sigma: polynomial(sigma) * scale, self.n, self.c0, *multipliers)
+
+    @property
+    def _scale(self) -> Array:
+        """Factors that bring the states to the unit of the tube's radius."""
+        return np.array([1.0, self.n / 2, (self.n / 2) ** 2])
+
+    def _multipliers(self, u: Array) -> tuple[float, float]:
+        """``lambda1, lambda2``."""
+        return float(u[-3]) * self.n**2 / 8 - self.c0**2, float(u[-2]) * self.n**3 / 16
+
+    def observables(self, u: Array) -> dict[str, float]:
+        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L, gap``; ``E`` is by area.
+
+        Radii are measured from the section's centre. ``gap`` is the width of the narrowest place between the two sides of a
+        lobe: 0 where the ring touches itself.
+        """
+        d = self.discretization
+        kappa = d.at_gauss_points(u)[:, 1] * self.n / 2
+        tip, waist = self.profile(u).curve(np.array([0.0, 1.0]))
+        radii = float(tip.real), float((waist * np.exp(-1j * math.pi / self.n)).real)
+        lambda1, lambda2 = self._multipliers(u)
+        return {
+            "lambda1": lambda1,
+            "lambda2": lambda2,
+            "v": float(u[-1]),
+            "E": float(d.gauss_weights @ (kappa / 2 - self.c0) ** 2),
+            "amplitude": (max(radii) - min(radii)) / 2,
+            "r_min": min(radii),
+            "r_max": max(radii),
+            "c0": self.c0,
+            "L": self.length,
+            "gap": self.gap(u),
+        }
+
+    def gap(self, u: Array) -> float:
+        """Width of the narrowest place between the two sides of a lobe; see ``theory.elastica.ElasticRing.gap``.
+
+        It is twice the height of a side over the lobe's axis, where it runs parallel to that beyond its inflexion; at the
+        inflexion where it turns back nowhere, and at the waist where there is neither.
+        """
+        d, profile = self.discretization, self.profile(u)
+        points = all_points(d.mesh, d.scheme)
+        psi, kappa, _ = d.values(u).T
+
+        def crossing(column: int, level: float, last: int) -> float:
+            """Where a state falls below a level, in the stretch that ends at a point."""
+
+            def excess(t: float) -> float:
+                return float(profile.states(np.array([t]))[0, column]) - level
+
+            return float(brentq(excess, points[last - 1], points[last], xtol=1e-15))
+
+        place = 1.0
+        if self.n > 2:  # for n = 2 the narrowest place is the waist, where psi is pi/2
+            last = int(psi.argmax())
+            back = np.flatnonzero(psi[last:] < math.pi / 2)
+            if psi[last] > math.pi / 2 and len(back):
+                place = crossing(0, math.pi / 2, last + int(back[0]))
+            elif kappa[-1] < 0:
+                place = crossing(1, 0.0, int(np.flatnonzero(kappa < 0)[0]))
+        return 2 * float(profile.curve(np.array([place]))[0].imag)
+
+    def remesh(self, u: Array, *others: Array) -> tuple[RingProblem, list[Array]] | None:
+        """The problem on a mesh fitted to ``u``, with tangents moved there; None if the mesh will do."""
+        d = self.discretization
+        polynomial = d.polynomial(u)
+        if float(error_estimate(polynomial).max()) <= self.tolerance:
+            return None
+        intervals = max(intervals_for(polynomial, self.tolerance / 10), len(d.h))
+        mesh = equidistribute(polynomial, min(intervals, 2 * len(d.h) + 4))
+        discretization, moved = d.on_mesh(mesh, u, *others)
+        return replace(self, discretization=discretization), moved
+
+    def adopt(self, other: RingProblem, u: Array) -> Array:
+        """An unknown that lives on another problem's mesh, moved onto this one's."""
+        if np.array_equal(other.discretization.mesh, self.discretization.mesh):
+            return u
+        _, (moved,) = other.discretization.on_mesh(self.discretization.mesh, u)
+        return moved
+
+    @property
+    def own_block(self) -> PlanarBlock:
+        """Perturbations that keep all symmetries of the ring."""
+        return PlanarBlock(0, 0, self.n, "even")
+
+    @property
+    def conserved(self) -> str:
+        """What perturbations keep and the branch does not."""
+        return "v" if self.fixed == "area and volume" else "lambda2"
+
+    def poles(self, u: Array) -> Mapping[str, float]:
+        """None: the multipliers stay finite."""
+        return {}
+
+    def spectrum(self, u: Array) -> PlanarSpectrum:
+        """Growth rates of all perturbations that fit the tube."""
+        return planar_spectrum(self.profile(u), self.length, fixed=self.fixed)
+
+    def block_rates(self, u: Array, block: PlanarBlock, like: PlanarSpectrum) -> Array:
+        """Growth rates in one block, largest first, without its exact kernels, on as many points as ``like``."""
+        return planar_rates(self.profile(u), self.length, block, like.points, self.fixed)
+
+    def outline(self, u: Array, points: int = 361) -> NDArray[np.complex128]:
+        """The section as a closed curve in the complex plane about its centre, first point repeated at the end."""
+        return self.profile(u).curve(np.linspace(0, 2 * self.n, points))
+
+    def first_integral_spread(self, u: Array) -> float:
+        """Largest minus smallest ``kappa'^2 + kappa^4/4 - a kappa^2 - 2 p kappa`` at the mesh points: a free error measure."""
+        d = self.discretization
+        _, kappa, slope = d.values(u)[:: d.scheme.m].T
+        a, p = u[-3], u[-2]
+        return float(np.ptp(slope**2 + kappa**4 / 4 - a * kappa**2 - 2 * p * kappa))
+
+    def radius_cosines(self, u: Array, count: int) -> Array:
+        """Fourier coefficients of the radius over the polar angle: ``r = sum of coefficient[b] cos(b n phi)``.
+
+        Args:
+            u: a solution.
+            count: how many, shape (count,); at least 2.
+
+        Raises:
+            ValueError: the section is not star-shaped about its centre, where the radius is no function of the angle.
+        """
+        profile = self.profile(u)
+        points = all_points(self.discretization.mesh, self.discretization.scheme)
+        # The polar angle grows along the curve at the rate (kappa^2/2 - a)/(p r^2).
+        if not (profile.at(points)[:, 1] ** 2 / 2 > profile.a).all():
+            raise ValueError("section: it is not star-shaped about its centre; take a ring of larger volume")
+        sums = 4 * max(count, 16)
+        polar = math.pi / self.n * (np.arange(sums) + 0.5) / sums
+        sigma = np.interp(polar, np.unwrap(np.angle(profile.curve(points))), points)
+        for _ in range(30):
+            z = profile.curve(sigma)
+            rate = math.pi / self.n * (profile.at(sigma)[:, 1] ** 2 / 2 - profile.a) / (2 * profile.lambda2)
+            step = (np.angle(z) - polar) * np.abs(z) ** 2 / rate
+            sigma = np.clip(sigma - step, 0.0, 1.0)
+            if np.abs(step).max() < 1e-14:
+                break
+        radius = np.abs(profile.curve(sigma))
+        cosines = np.cos(self.n * np.outer(np.arange(count), polar))
+        coefficients = 2 * cosines @ radius / sums
+        coefficients[0] /= 2
+        return np.asarray(coefficients)
+
+    def to_tree(self) -> dict[str, Any]:
+        """Everything as arrays, numbers and words, to be saved."""
+        d = self.discretization
+        return {
+            "mesh": d.mesh, "degree": d.scheme.m, "n": self.n, "c0": self.c0, "length": self.length,
+            "tolerance": self.tolerance, "fixed": self.fixed,
+        }  # fmt: skip
+
+    @classmethod
+    def from_tree(cls, tree: Mapping[str, Any]) -> RingProblem:
+        """The inverse of ``to_tree``.
+
+        Raises:
+            ValueError: the tree describes no rings.
+        """
+        if tree["fixed"] not in get_args(Fixed):
+            raise ValueError(f"fixed: {tree['fixed']!r} is none of {get_args(Fixed)}")
+        tube, n = Tube(float(tree["c0"]), float(tree["length"])), lobes(tree["n"])
+        discretization = _discretization(n, tree["mesh"], int(tree["degree"]))
+        return cls(discretization, n, tube.c0, tube.length, float(tree["tolerance"]), tree["fixed"])
+
+
+def _discretization(n: int, mesh: Array, degree: int) -> Discretization:
+    """Rings of ``n`` lobes on a mesh; the free parameters are those of the circle where they branch off."""
+    pressure = n**2 - 1.0
+    circle = np.array([n, (0.5 - pressure) * 4 / n**2, pressure * 8 / n**3, 1.0])
+    return Discretization(HALF_LOBE, gauss_scheme(degree), mesh, circle, FREE)
+
+
+def ring_onset(
+    tube: Tube, n: int, *, intervals: int = 8, degree: int = 6, tolerance: float = 1e-10, fixed: Fixed = "area and volume"
+) -> tuple[RingProblem, Array, Array]:
+    """The straight cylinder where rings of ``n`` lobes branch off, at ``lambda2 = (n^2 - 1)/2``, and the direction.
+
+    Args:
+        tube: the straight tube.
+        n: number of lobes, from 2 on.
+        intervals: of the first mesh on the half lobe.
+        degree: Gauss points an interval.
+        tolerance: of the profile, for remeshing.
+        fixed: what perturbations keep, for stability.
+
+    Returns:
+        The problem, the unknown at onset and the unit tangent of the rings, with a tip at the first point.
+
+    Raises:
+        InputError: ``n`` is no whole number from 2 on.
+    """
+    n = lobes(n)
+    d = _discretization(n, np.linspace(0.0, 1.0, intervals + 1), degree)
+    t = all_points(d.mesh, d.scheme)
+    one = np.ones_like(t)
+    u = d.pack(np.column_stack((math.pi / n * t, 2 / n * one, 0 * t)), d.parameters)
+    # In the unit 2/n the wave cos(n s) of the curvature is cos(2 s), s = pi t/2.
+    wave = np.column_stack((np.sin(math.pi * t) / 2, np.cos(math.pi * t), -2 * np.sin(math.pi * t)))
+    tangent = d.pack(wave, np.zeros(4))
+    tangent /= math.sqrt(d.inner(tangent, tangent))
+    return RingProblem(d, n, tube.c0, tube.length, tolerance, fixed), u, tangent

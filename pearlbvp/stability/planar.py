@@ -1,0 +1,274 @@
+"""Stability of a cylinder over a closed plane curve of ``n`` equal lobes, for every wave number along it.
+
+A normal outward perturbation ``w(s) e^{ikx}`` has ``D = dH = -(w'' - k^2 w + kappa^2 w)/2`` and the growth rate (design §5
+with ``kappa_phi = 0, K = 0``)
+
+    mu w = D'' - k^2 D - 2 kappa w H'' - kappa w' H' - 2 w H'^2 + (6H^2 - a) D + (2 c0 - 2H) k^2 kappa w,
+
+``a = 2(c0^2 + lambda1)``. Multiplied by ``w`` and integrated by parts, with ``f = kappa^2/2 - a``,
+
+    mu |w|^2 = integral of -(w'' + (kappa^2 - k^2) w)^2/2 + f w'^2/2
+               + [f (k^2 - kappa^2)/2 - kappa kappa'' - kappa'^2/2 + (2 c0 - kappa) kappa k^2] w^2  ds:
+
+a Hermitian matrix ``M + k^2 S - k^4/2``, so that one pair of matrices serves all ``k``, and nothing grows beyond the ``k`` at
+which the largest eigenvalues of ``M`` and ``S`` together fall below ``k^4/2``.
+
+Waves are discretized by Fourier series on equidistant points of one lobe. Those of class ``c`` turn by ``2 pi c/n`` from lobe
+to lobe; where that is 0 or pi they are even or odd about the tips. The two translations across (class 1) and the rotation
+(``kappa'``, class 0, odd) are exact kernels at ``k = 0``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pearlbvp.collocation.scheme import Array
+from pearlbvp.stability.bloch import Fixed, restrict, waves
+from pearlbvp.stability.spectrum import Spectrum, kernel_residual
+
+MOST_WAVES = 4000
+"""Largest number of waves along the tube that is looked at."""
+
+
+@dataclass(frozen=True)
+class PlaneProfile:
+    """A closed equilibrium curve of perimeter ``2 pi`` with ``n`` equal symmetric lobes, counterclockwise.
+
+    Attributes:
+        states: ``psi, kappa, kappa'`` (turn of the tangent from the tip on, curvature, its derivative by arclength), shape
+            (K, 3), as a function of ``sigma`` in [0, 1], shape (K,): from the tip of a lobe to the waist.
+        n: number of lobes.
+        c0, lambda1, lambda2: parameters and multipliers with which the cylinder over it is an equilibrium.
+    """
+
+    states: Callable[[Array], Array]
+    n: int
+    c0: float
+    lambda1: float
+    lambda2: float
+
+    @property
+    def a(self) -> float:
+        """``2(c0^2 + lambda1)``."""
+        return 2 * (self.c0**2 + self.lambda1)
+
+    def at(self, sigma: Array) -> Array:
+        """States at ``sigma`` from 0 to ``2 n``, shape (K,): all around the curve, shape (K, 3)."""
+        lobe, within = np.divmod(sigma, 2.0)
+        beyond = within > 1
+        states = np.array(self.states(np.where(beyond, 2 - within, within)))
+        states[beyond, 2] *= -1
+        states[beyond, 0] *= -1
+        states[:, 0] += 2 * math.pi / self.n * (lobe + beyond)
+        return states
+
+    def curve(self, sigma: Array) -> NDArray[np.complex128]:
+        """Points in the complex plane about the centre, the first tip on the positive real axis, shape (K,).
+
+        ``2 lambda2`` times the position is the force ``e^{i psi} (kappa^2/2 - a + i kappa')`` turned by a right angle
+        (``theta.elastica`` has its closed form): no integration, no drift.
+        """
+        psi, kappa, slope = self.at(sigma).T
+        return np.asarray(np.exp(1j * psi) * (kappa**2 / 2 - self.a + 1j * slope) / (2 * self.lambda2))
+
+    def surface(self, length: float, along: int = 2, around: int = 181) -> tuple[Array, Array, Array]:
+        """Points of the cylinder, to draw or to export: ``x, y, z``, each of shape (along, around), closed around."""
+        curve = self.curve(np.linspace(0, 2 * self.n, around))
+        x = np.repeat(np.linspace(0, length, along)[:, None], around, axis=1)
+        return x, np.tile(curve.real, (along, 1)), np.tile(curve.imag, (along, 1))
+
+
+class PlanarBlock(NamedTuple):
+    """A symmetry block of perturbations: ``j`` waves along the tube, turning by ``2 pi c/n`` from lobe to lobe.
+
+    Where the turn is neither 0 nor pi, classes ``c`` and ``n - c`` have the same rates and are one block.
+    """
+
+    j: int
+    c: int
+    n: int
+    parity: str | None
+
+    @property
+    def theta(self) -> float:
+        """Phase per lobe, exactly pi where it is."""
+        return math.pi if 2 * self.c == self.n else 2 * math.pi * self.c / self.n
+
+    @property
+    def multiplicity(self) -> int:
+        """How often each growth rate occurs: two directions along the tube, two around it."""
+        return (1 if self.j == 0 else 2) * (1 if self.parity else 2)
+
+    def __str__(self) -> str:
+        return f"j={self.j} c={self.c}/{self.n}" + (f" {self.parity}" if self.parity else "")
+
+
+def classes_of(n: int) -> list[tuple[int, str | None]]:
+    """Classes and parities of the perturbations of ``n`` lobes."""
+    found: list[tuple[int, str | None]] = []
+    for c in range(n // 2 + 1):
+        parities = ("even", "odd") if c == 0 or 2 * c == n else (None,)
+        found += [(c, parity) for parity in parities]
+    return found
+
+
+@dataclass(frozen=True)
+class PlanarVariation:
+    """The second variation of a plane profile, sampled once, for any wave number and class.
+
+    Attributes:
+        profile: what is perturbed.
+        psi, kappa, slope: its states at the points ``(i + 1/2)/count`` of a lobe, shape (count,).
+    """
+
+    profile: PlaneProfile
+    psi: Array
+    kappa: Array
+    slope: Array
+
+    @classmethod
+    def of(cls, profile: PlaneProfile, points: int = 64) -> PlanarVariation:
+        """Sample a profile at an even number of points of a lobe (an odd one is raised by one)."""
+        count = points + points % 2
+        return cls(profile, *profile.at(2 * (np.arange(count) + 0.5) / count).T)
+
+    def matrices(self, c: int, parity: str | None) -> tuple[NDArray[Any], NDArray[Any]]:
+        """``M`` and ``S`` of a class: its rates at wave number ``k`` are those of ``M + k^2 S - k^4/2``.
+
+        They act on ``w`` at the points, at the first half of them with a parity.
+        """
+        profile = self.profile
+        block = PlanarBlock(0, c, profile.n, parity)
+        wave, slope_wave, per_lobe = waves(len(self.kappa), block.theta, parity)
+        here = slice(None, len(wave))
+        kappa, slope = self.kappa[here], self.slope[here]
+        bend = -(kappa**3) / 2 + profile.a * kappa + 2 * profile.lambda2  # kappa''
+        f = kappa**2 / 2 - profile.a
+        number = per_lobe * profile.n / (2 * math.pi)
+        derivative = (slope_wave * number) @ wave.conj().T
+        bending = (wave * -(number**2)) @ wave.conj().T + np.diag(kappa**2)
+        value = -f * kappa**2 / 2 - kappa * bend - slope**2 / 2
+        at_rest = (derivative.conj().T @ (f[:, None] * derivative) - bending.conj().T @ bending) / 2 + np.diag(value)
+        by_square = bending + np.diag(f / 2 + (2 * profile.c0 - kappa) * kappa)
+        return (at_rest + at_rest.conj().T) / 2, (by_square + by_square.conj().T) / 2
+
+    def kernels(self, c: int, parity: str | None) -> list[Array]:
+        """Rigid motions of a class at ``k = 0``, as unit vectors at its points."""
+        translation, found = np.exp(1j * self.psi), []
+        if c == 0 and parity == "odd" and np.abs(self.slope).max() > 1e-6:
+            found.append(self.slope)  # -p times the normal part of a rotation; on the circle there is none
+        if c == 1 and parity is None:
+            found.append(translation)
+        elif c == 1:
+            found.append(translation.real if parity == "even" else translation.imag)
+        size = len(self.psi) if parity is None else len(self.psi) // 2
+        return [vector[:size] / np.linalg.norm(vector[:size]) for vector in found]
+
+    def constraints(self, c: int, parity: str | None, fixed: Fixed) -> list[Array]:
+        """What perturbations at ``k = 0`` are orthogonal to: changes of area and volume, where the class has any."""
+        if c or parity != "even" or fixed == "nothing":
+            return []
+        half = self.kappa[: len(self.kappa) // 2]
+        return [half] if fixed == "area" else [half, np.ones_like(half)]
+
+    def rates_at(self, c: int, parity: str | None, k: Array, fixed: Fixed = "area and volume") -> list[Array]:
+        """Growth rates at wave numbers ``k``, shape (J,), each largest first; at ``k = 0`` without rigid motions."""
+        at_rest, by_square = self.matrices(c, parity)
+        square = np.square(k)[:, None, None]
+        identity = np.eye(len(at_rest))
+        moving = np.linalg.eigvalsh(at_rest + square * by_square - square**2 / 2 * identity)[:, ::-1]
+        found = list(moving)
+        for place in np.flatnonzero(k == 0):
+            normals = [*self.kernels(c, parity), *self.constraints(c, parity, fixed)]
+            resting = restrict(at_rest, np.column_stack(normals)) if normals else at_rest
+            found[place] = np.linalg.eigvalsh(resting)[::-1]
+        return found
+
+    def largest_wave_number(self, c: int, parity: str | None) -> float:
+        """A ``k`` beyond which no wave of a class grows: ``k^4/2 > M + k^2 S`` for the largest eigenvalues of both."""
+        top, by_square = (max(0.0, float(np.linalg.eigvalsh(matrix)[-1])) for matrix in self.matrices(c, parity))
+        return math.sqrt(by_square + math.sqrt(by_square**2 + 2 * top))
+
+    def residual(self) -> float:
+        """Largest error of a rigid motion as a kernel: how well profile and points resolve the rates."""
+        found = 0.0
+        for c, parity in classes_of(self.profile.n):
+            for kernel in self.kernels(c, parity):
+                found = max(found, kernel_residual(self.matrices(c, parity)[0], kernel))
+        return found
+
+
+@dataclass(frozen=True)
+class PlanarSpectrum(Spectrum):
+    """The leading growth rates of all blocks of a cylinder over a plane curve that can be unstable.
+
+    Attributes: as ``Spectrum`` has them; ``points`` are those of a lobe.
+    """
+
+    block: ClassVar[Any] = PlanarBlock
+
+
+_KEPT = 8
+"""Growth rates kept of each block, besides the positive ones."""
+
+
+def resolved(
+    profile: PlaneProfile, *, tolerance: float = 1e-9, points: int = 32, max_points: int = 512
+) -> tuple[PlanarVariation, float]:
+    """The second variation on as many points as make rigid motions kernels to ``tolerance``, and how well they are.
+
+    Args:
+        profile: the curve.
+        tolerance: for the residual of the exact kernels.
+        points: of a lobe to begin with; doubled as long as that helps.
+        max_points: the most to go to.
+    """
+    variation = PlanarVariation.of(profile, points)
+    residual = variation.residual()
+    while residual > tolerance and 2 * len(variation.psi) <= max_points:
+        finer = PlanarVariation.of(profile, 2 * len(variation.psi))
+        smaller = finer.residual()
+        if smaller > residual / 2:  # rounding, or the profile itself, is what remains
+            break
+        variation, residual = finer, smaller
+    return variation, residual
+
+
+def planar_spectrum(
+    profile: PlaneProfile, length: float, *, fixed: Fixed = "area and volume", tolerance: float = 1e-9
+) -> PlanarSpectrum:
+    """Growth rates of all perturbations of a tube of a length that can grow.
+
+    All waves along the tube are looked at up to a tenth beyond the largest wave number at which any could grow, so that the
+    same blocks are there on neighbouring solutions.
+
+    Args:
+        profile: the cross-section.
+        length: axial period of the tube.
+        fixed: what perturbations keep.
+        tolerance: for the residual of the exact kernels.
+    """
+    variation, residual = resolved(profile, tolerance=tolerance)
+    rates: dict[PlanarBlock, Array] = {}
+    complete = True
+    for c, parity in classes_of(profile.n):
+        most = math.floor(1.1 * variation.largest_wave_number(c, parity) * length / (2 * math.pi)) + 1
+        complete = complete and most <= MOST_WAVES
+        k = 2 * math.pi / length * np.arange(min(most, MOST_WAVES) + 1)
+        for j, found in enumerate(variation.rates_at(c, parity, k, fixed)):
+            rates[PlanarBlock(j, c, profile.n, parity)] = found[: _KEPT + int((found > 0).sum())]
+    return PlanarSpectrum(rates, residual, len(variation.psi), complete)
+
+
+def planar_rates(
+    profile: PlaneProfile, length: float, block: PlanarBlock, points: int, fixed: Fixed = "area and volume"
+) -> Array:
+    """Growth rates of one block on a number of points of a lobe, largest first, without exact kernels."""
+    k = np.array([2 * math.pi * block.j / length])
+    return PlanarVariation.of(profile, points).rates_at(block.c, block.parity, k, fixed)[0]
