@@ -185,7 +185,7 @@ class RingProblem:
             back = np.flatnonzero(psi[last:] < math.pi / 2)
             if psi[last] > math.pi / 2 and len(back):
                 place = crossing(0, math.pi / 2, last + int(back[0]))
-            elif kappa[-1] < 0:
+            elif kappa[0] > 0 > kappa[-1]:
                 place = crossing(1, 0.0, int(np.flatnonzero(kappa < 0)[0]))
         return 2 * float(profile.curve(np.array([place]))[0].imag)
 
@@ -301,7 +301,13 @@ def _discretization(n: int, mesh: Array, degree: int) -> Discretization:
 
 
 def ring_onset(
-    tube: Tube, n: int, *, intervals: int = 8, degree: int = 6, tolerance: float = 1e-10, fixed: Fixed = "area and volume"
+    tube: Tube,
+    n: int,
+    *,
+    intervals: int = 8,
+    degree: int = 6,
+    tolerance: float = 1e-10,
+    fixed: Fixed = "area and volume",
 ) -> tuple[RingProblem, Array, Array]:
     """The straight cylinder where rings of ``n`` lobes branch off, at ``lambda2 = (n^2 - 1)/2``, and the direction.
 

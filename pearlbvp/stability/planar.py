@@ -32,7 +32,7 @@ from pearlbvp.collocation.scheme import Array
 from pearlbvp.stability.bloch import Fixed, restrict, waves
 from pearlbvp.stability.spectrum import Spectrum, kernel_residual
 
-MOST_WAVES = 4000
+MOST_WAVES = 2000
 """Largest number of waves along the tube that is looked at."""
 
 
@@ -195,6 +195,11 @@ class PlanarVariation:
         top, by_square = (max(0.0, float(np.linalg.eigvalsh(matrix)[-1])) for matrix in self.matrices(c, parity))
         return math.sqrt(by_square + math.sqrt(by_square**2 + 2 * top))
 
+    def most_waves(self, length: float) -> int:
+        """Number of waves along a tube up to which growing ones are looked for: a tenth beyond the last that could grow."""
+        largest = max(self.largest_wave_number(c, parity) for c, parity in classes_of(self.profile.n))
+        return math.floor(1.1 * largest * length / (2 * math.pi)) + 1
+
     def residual(self) -> float:
         """Largest error of a rigid motion as a kernel: how well profile and points resolve the rates."""
         found = 0.0
@@ -245,8 +250,8 @@ def planar_spectrum(
 ) -> PlanarSpectrum:
     """Growth rates of all perturbations of a tube of a length that can grow.
 
-    All waves along the tube are looked at up to a tenth beyond the largest wave number at which any could grow, so that the
-    same blocks are there on neighbouring solutions.
+    All waves along the tube are looked at up to beyond the largest wave number at which any could grow, so that a block in
+    which one begins to grow was there on the solution before.
 
     Args:
         profile: the cross-section.
@@ -256,14 +261,13 @@ def planar_spectrum(
     """
     variation, residual = resolved(profile, tolerance=tolerance)
     rates: dict[PlanarBlock, Array] = {}
-    complete = True
+    most = variation.most_waves(length)
+    k = np.arange(min(most, MOST_WAVES) + 1, dtype=np.float64) * (2 * math.pi / length)
     for c, parity in classes_of(profile.n):
-        most = math.floor(1.1 * variation.largest_wave_number(c, parity) * length / (2 * math.pi)) + 1
-        complete = complete and most <= MOST_WAVES
-        k = 2 * math.pi / length * np.arange(min(most, MOST_WAVES) + 1)
-        for j, found in enumerate(variation.rates_at(c, parity, k, fixed)):
-            rates[PlanarBlock(j, c, profile.n, parity)] = found[: _KEPT + int((found > 0).sum())]
-    return PlanarSpectrum(rates, residual, len(variation.psi), complete)
+        for start in range(0, len(k), 128):  # no more matrices at a time than fit a cache
+            for j, found in enumerate(variation.rates_at(c, parity, k[start : start + 128], fixed), start):
+                rates[PlanarBlock(j, c, profile.n, parity)] = found[: _KEPT + int((found > 0).sum())]
+    return PlanarSpectrum(rates, residual, len(variation.psi), complete=most <= MOST_WAVES)
 
 
 def planar_rates(

@@ -19,7 +19,7 @@ Two numbers say everything but the size: the modulus ``k`` and an angle ``theta`
 
     A, B = rho e^{+-t},  m = (rho/2) sin theta cosh t,  (beta - alpha)/2 = rho k / cos theta,  eta = rho k' cos theta.
 
-``n`` periods on the perimeter ``2 pi`` give ``rho = 4 n K(k)/pi``, and one turn in all gives ``k`` for each ``theta``. The rings
+``n`` periods on the perimeter ``2 pi`` give ``rho = 4 n K(k)/pi``, and one turn in all gives ``k`` for each ``theta``. Rings
 run from the circle (``sin theta = 1/n``, ``k = 0``) to self-contact, ``theta`` growing all along, while ``k`` turns beyond.
 """
 
@@ -144,7 +144,7 @@ class ElasticRing:
 
     @property
     def v(self) -> float:
-        """Enclosed area by ``pi``: the virial of the force ``(kappa^2/2 - a) T + kappa' N`` that is ``p`` times the position."""
+        """Enclosed area by ``pi``: the mean of ``kappa^2/2 - a`` by ``p``, from the closed form of the position."""
         return (self._mean_square / 2 - self.a) / self.p
 
     @property
@@ -273,8 +273,12 @@ def ring_at(n: int, name: str, value: float) -> ElasticRing:
     least, contact = math.asin(1 / lobes(n)), touching_ring(n)
     first, last = (getattr(ring, name) for ring in (ring_at_angle(n, least), contact))
     if not min(first, last) <= value <= max(first, last):
-        raise InputError(f"{name}: rings of {n} lobes have it from {first:.6g} to {last:.6g} (self-contact), not {value:g}")
+        raise InputError(
+            f"{name}: rings of {n} lobes have it from {first:.6g} to {last:.6g} (self-contact), not {value:g}"
+        )
     if value == first:
         return ring_at_angle(n, least)
-    theta = brentq(lambda angle: getattr(ring_at_angle(n, angle), name) - value, least, contact.theta, xtol=1e-15, rtol=1e-14)
+    theta = brentq(
+        lambda angle: getattr(ring_at_angle(n, angle), name) - value, least, contact.theta, xtol=1e-15, rtol=1e-14
+    )
     return ring_at_angle(n, float(theta))
