@@ -40,6 +40,8 @@ def test_rings_are_the_exact_ones(n):
         assert (last.observables["r_max"], last.observables["r_min"]) == pytest.approx(tuple(radii), abs=1e-10)
         outline = last.point.problem.outline(last.point.u, 100)
         np.testing.assert_allclose(outline, exact.position(np.linspace(0, 2 * math.pi, 100)), atol=1e-9)
+        y, z = last.point.problem.section(last.point.u, 3.0)
+        assert np.trapezoid(y, z) == pytest.approx(math.pi * v, rel=2e-3)  # the area of a polygon of 180 sides
         assert last.point.problem.first_integral_spread(last.point.u) < 1e-9
 
 
@@ -69,6 +71,13 @@ def test_the_jacobian_is_the_residual_s(n):
     h = 1e-5
     change = (problem.residual(u + h * step) - problem.residual(u - h * step)) / (2 * h)
     found = problem.solve(u, np.append(change, problem.inner(row, step)), row)
+    np.testing.assert_allclose(found, step, atol=1e-6)
+    # By the number of lobes, too, which continuation leaves alone.
+    d = replace(problem.discretization, free=("n", "a", "p", "v"))
+    u = d.pack(problem.discretization.values(u), problem.discretization.all_parameters(u))
+    rows, step = rng.standard_normal((2, u.size)), rng.standard_normal(u.size)
+    change = (d.residual(u + h * step) - d.residual(u - h * step)) / (2 * h)
+    found = d.solve(u, np.append(change, [d.inner(row, step) for row in rows]), rows)
     np.testing.assert_allclose(found, step, atol=1e-6)
 
 
@@ -109,7 +118,7 @@ def blocks_by_wave(spectrum, j, parts):
     return np.sort(np.concatenate(rates))[::-1]
 
 
-@pytest.mark.parametrize(("c0", "n", "v"), [(0.0, 2, 0.85), (-1.0, 2, 0.85), (0.0, 3, 0.95)])
+@pytest.mark.parametrize(("c0", "n", "v"), [(0.0, 2, 0.85), (-1.0, 2, 0.85), (0.0, 3, 0.97)])
 def test_growth_rates_are_those_of_reduced_modes(c0, n, v):
     """Another discretization, in two dimensions and by exact derivatives of the energy, of the same rings."""
     ours, theirs = (
@@ -251,6 +260,14 @@ def test_onsets_for_all_lengths_are_the_branches_branch_points():
     assert (ring_branch(-1.0, 5.0).table().n_unstable == 0).all()  # none in range
 
 
+def test_rings_on_long_tubes_lose_stability_in_proportion_to_the_square_of_the_wave_number():
+    """However soon after the onset: ``1 - v`` tends to a multiple of ``k^2``."""
+    onsets = ring_onsets(-1.0, 2, [200, 400])
+    assert (onsets.status == "found").all()
+    one, other = (1 - onsets.v) / onsets.k**2
+    assert one == pytest.approx(other, rel=2e-3)
+
+
 def test_only_the_wave_number_counts():
     """Two waves on twice the length, and what a ring is unstable to on a given tube."""
     neutral = neutral_rings(0.0, 2, [2 * math.pi / 10])
@@ -277,6 +294,9 @@ def test_a_branch_ends_exactly_at_contact_unless_told_to_stop_before():
     stopped = branch(-1.0, r_min=0.25, v=0.1)
     assert (stopped.complete, stopped.special[-1].kind) == (True, "stop")
     assert stopped.points[-1].observables["r_min"] == pytest.approx(0.25, abs=1e-12)
+    near = ring_resumed(branch(-1.0, r_min=0.0045), branch_options(max_step=1e-2))  # no neck is too thin for a ring
+    assert near.reason == CONTACT
+    assert (near.table().r_min < 4e-3).sum() > 3
     beyond = branch(-1.0, v=0.1)
     assert (beyond.reason, beyond.complete) == (CONTACT, False)
     with pytest.raises(InputError, match="^resume: "):
@@ -350,6 +370,8 @@ def test_what_is_no_ring_is_refused(arguments, name):
 def test_unusable_tolerances_and_tubes_are_refused():
     with pytest.raises(InputError, match="^tolerance: "):
         ring_branch(0.0, 10, 2, tolerance=1.0)
+    with pytest.raises(InputError, match="^length: more than"):
+        ring_branch(0.0, 1e6)
     with pytest.raises(InputError, match="^lengths: "):
         ring_onsets(-1.0, 2, [1e6])
     with pytest.raises(InputError, match="^wave_numbers: "):

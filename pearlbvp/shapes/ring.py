@@ -233,6 +233,11 @@ class RingProblem:
         """The section as a closed curve in the complex plane about its centre, first point repeated at the end."""
         return self.profile(u).curve(np.linspace(0, 2 * self.n, points))
 
+    def section(self, u: Array, x: float, points: int = 181) -> tuple[Array, Array]:
+        """The cross-section at ``x`` (they are all alike) as a closed curve in the plane: ``y`` and ``z``."""
+        curve = self.outline(u, points)
+        return curve.real, curve.imag
+
     def first_integral_spread(self, u: Array) -> float:
         """Largest minus smallest ``kappa'^2 + kappa^4/4 - a kappa^2 - 2 p kappa`` at the mesh points: a free error measure."""
         d = self.discretization

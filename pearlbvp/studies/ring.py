@@ -14,7 +14,7 @@ from pearlbvp.files import writable, write_whole
 from pearlbvp.helfrich import Tube
 from pearlbvp.shapes.ring import RingProblem, ring_onset
 from pearlbvp.stability.bloch import Fixed
-from pearlbvp.stability.planar import MOST_WAVES, PlanarSpectrum
+from pearlbvp.stability.planar import MOST_WAVES, PlanarSpectrum, PlanarVariation
 from pearlbvp.studies.branch import COLUMNS, RESOLVED, branch_options
 
 CONTACT = "the ring touches itself; beyond, it would pass through itself"
@@ -52,6 +52,10 @@ def ring_branch(
     if not 1e-13 <= tolerance <= 1e-3:
         raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3")
     problem, u, tangent = ring_onset(tube, n, tolerance=tolerance, fixed=fixed)
+    if PlanarVariation.of(problem.profile(u)).most_waves(tube.length) > MOST_WAVES:
+        raise InputError(
+            f"length: more than {MOST_WAVES} waves along L = {tube.length:g} may grow; take a shorter tube"
+        )
     return _to_contact(start_point(problem, u, tangent), options or branch_options(), at_bifurcation=True)
 
 

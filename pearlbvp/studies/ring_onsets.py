@@ -31,7 +31,7 @@ COLUMNS = ["c0", "n", "L", "status", "j", "k", "block", *SHAPE, "message"]
 NEUTRAL_COLUMNS = ["c0", "n", "k", "block", "change", *SHAPE]
 
 SAMPLES = 48
-"""Rings between the circle and self-contact among which signs of growth rates are compared."""
+"""Rings from the circle to self-contact among which signs of growth rates are compared."""
 
 
 @dataclass(frozen=True)
@@ -81,9 +81,9 @@ class ExactRings:
 
     @cached_property
     def angles(self) -> Array:
-        """``theta`` of the samples, the first just beyond the circle: growth rates are smooth in it, even there."""
+        """``theta`` of the samples, the circle first: growth rates are smooth in it, even there."""
         least, most = math.asin(1 / self.n), touching_ring(self.n).theta
-        return np.asarray(least + (most - least) * (np.arange(1, SAMPLES + 1) / SAMPLES) ** 2)
+        return np.asarray(least + (most - least) * np.linspace(0, 1, SAMPLES) ** 2)
 
     @cached_property
     def points(self) -> int:
@@ -99,9 +99,13 @@ class ExactRings:
         return PlanarVariation.of(exact_profile(ring_at_angle(self.n, float(theta)), self.c0), self.points)
 
     def rates(self, c: int, parity: str | None, k: float) -> Array:
-        """Largest growth rates of a class at a wave number on each sample, largest first, shape (SAMPLES, 6)."""
+        """Largest growth rates of a class at a wave number on each sample, largest first, shape (SAMPLES, 6).
+
+        At ``k = 0`` the circle, where the rings' own wave is neutral and a rotation is none, has those of the ring next to it.
+        """
         if k == 0:
-            return np.array([self._at(variation, c, parity, k) for variation in self.variations])
+            resting = [self._at(variation, c, parity, k) for variation in self.variations[1:]]
+            return np.array([resting[0], *resting])
         key = c, parity
         if key not in self._matrices:
             pairs = [variation.matrices(c, parity) for variation in self.variations]
