@@ -9,13 +9,10 @@ from scipy.integrate import solve_ivp
 from pearlbvp.errors import InputError
 from pearlbvp.theory.elastica import ElasticRing, ring_at, ring_at_angle, touching_ring
 
-RINGS = [
-    ring_at(2, "v", 0.85),
-    ring_at(2, "lambda2", 2.6),
-    ring_at(3, "v", 0.5),
-    ring_at(4, "v", 0.2),
-    ring_at(7, "v", 0.9),
-]
+
+@pytest.fixture(params=[(2, "v", 0.85), (2, "lambda2", 2.6), (3, "v", 0.5), (4, "v", 0.2), (7, "v", 0.9)], ids=str)
+def ring(request):
+    return ring_at(*request.param)
 
 
 def by_arclength(values, period):
@@ -33,7 +30,6 @@ def test_rings_begin_at_the_circle_s_buckling_pressure(n):
     assert circle.energy(0.3) == pytest.approx((1 / 2 - 0.3) ** 2, rel=1e-13)
 
 
-@pytest.mark.parametrize("ring", RINGS)
 def test_the_curvature_solves_the_equation_and_has_its_roots(ring):
     period = 2 * math.pi / ring.n
     s = period * np.arange(128) / 128
@@ -48,7 +44,6 @@ def test_the_curvature_solves_the_equation_and_has_its_roots(ring):
         assert abs(-(root**4) / 4 + ring.a * root**2 + 2 * ring.p * root + ring.constant) < 1e-12 * ring.n**4
 
 
-@pytest.mark.parametrize("ring", RINGS)
 def test_the_curve_is_the_quadrature_of_its_curvature(ring):
     """Angle, position and area by integrating ``kappa`` and the tangent, once around."""
 

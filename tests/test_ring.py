@@ -280,6 +280,8 @@ def test_only_the_wave_number_counts():
         assert str(special.block) == f"j=1 {row.block}"
     (row,) = ring_onsets(0.0, 2, 10).itertuples()
     assert row.status == "unstable_at_onset"
+    (row,) = ring_onsets(0.0, 3, 1).itertuples()  # no wave along so short a tube, but rings of three lobes become oval
+    assert (row.status, "j=0 c=1/3" in row.message) == ("unstable_at_onset", True)
     spectrum = planar_spectrum(exact_profile(ring_at(2, "v", 0.85), 0.0), 20.0)
     double, single = spectrum.rates[PlanarBlock(2, 0, 2, "even")], branch(0.0, v=0.85).points[-1].spectrum
     np.testing.assert_allclose(double[0], single.rates[PlanarBlock(1, 0, 2, "even")][0], atol=1e-8)

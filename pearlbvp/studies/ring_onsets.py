@@ -31,7 +31,8 @@ COLUMNS = ["c0", "n", "L", "status", "j", "k", "block", *SHAPE, "message"]
 NEUTRAL_COLUMNS = ["c0", "n", "k", "block", "change", *SHAPE]
 
 SAMPLES = 48
-"""Rings from the circle to self-contact among which signs of growth rates are compared."""
+"""Rings from the circle to self-contact among which signs of growth rates are compared; a wave that grows only between two
+neighbours is not seen."""
 
 
 @dataclass(frozen=True)
