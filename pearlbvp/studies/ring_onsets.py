@@ -142,7 +142,7 @@ class ExactRings:
     def first_loss(self, length: float) -> tuple[str, Neutral | None, str]:
         """Status, neutral ring and message of the first loss of stability on a tube of a length."""
         growing, candidates = [], []
-        most = max(variation.most_waves(length) for variation in self.variations[:: SAMPLES // 8])
+        most = max(variation.most_waves(length) for variation in self.variations)
         if most > MOST_WAVES:
             raise InputError(f"lengths: on L = {length:g} more than {MOST_WAVES} waves may grow; take a shorter tube")
         for c, parity in classes_of(self.n):
