@@ -1,10 +1,9 @@
-"""Branches: special points and stability against independent computations, switching, exact stops, saved files."""
+"""Branches: special points and stability against independent computations, switching, exact stops."""
 
 import itertools
 import math
 from dataclasses import replace
 
-import h5py
 import numpy as np
 import pytest
 from test_continuation import Curve
@@ -23,10 +22,7 @@ from pearlbvp.studies.branch import (
     COLUMNS,
     branch_options,
     followed,
-    load,
     pearl_branch,
-    resumed,
-    save,
     shape_branch,
     switched,
     varied,
@@ -195,49 +191,6 @@ def test_several_special_points_in_one_step_are_all_found():
     assert branch.find("fold")[0].kind == "fold:y"
     assert branch.at(branch.find("fold")[0]).observables["y"] == pytest.approx(1, abs=1e-9)
     assert branch.points[-1].observables["x"] == pytest.approx(-0.5, abs=1e-12)
-
-
-def test_a_saved_branch_continues_identically(tmp_path, four):
-    path = tmp_path / "b.h5"
-    save(four, path)
-    again = load(path)
-    assert again.table().equals(four.table())
-    assert again.special == four.special
-    assert (again.reason, again.complete) == (four.reason, True)
-    options = branch_options({"v": 1.03})
-    assert resumed(again, options).table().equals(resumed(four, options).table())
-    assert switched(again, 1, options).table().equals(switched(four, 1, options).table())
-
-
-def test_resuming_goes_where_one_run_goes(four):
-    two_runs = resumed(four, branch_options({"v": 1.05})).table().iloc[-1]
-    one_run = pearl_branch(0.48, 30, 4, branch_options({"v": 1.05})).table().iloc[-1]
-    for name in ("lambda1", "lambda2", "E", "mu_crit"):
-        assert two_runs[name] == pytest.approx(one_run[name], abs=1e-8)
-    assert two_runs.special == "stop"
-
-
-def test_files_that_are_no_branches(tmp_path, four):
-    path = tmp_path / "b.h5"
-    save(four, path)
-    whole = path.read_bytes()
-    for damaged in (whole[: len(whole) // 2], b"", b"text", whole[:100] + b"x" * 300 + whole[400:]):
-        path.write_bytes(damaged)
-        with pytest.raises(InputError, match="^resume: ") as raised:
-            load(path)
-        assert "\n" not in str(raised.value)
-    with pytest.raises(InputError, match="^resume: "):
-        load(tmp_path / "none.h5")
-    with h5py.File(path, "w") as file:
-        file["anything"] = np.zeros(3)
-    with pytest.raises(InputError, match="^resume: .*no branch"):
-        load(path)
-    path.write_bytes(whole)
-    with h5py.File(path, "r+") as file:
-        del file["points/3/u"]
-        file["points/3/u"] = np.zeros(7)
-    with pytest.raises(InputError, match="^resume: "):
-        load(path)
 
 
 def test_an_interrupted_branch_keeps_its_points():
@@ -475,13 +428,6 @@ def test_radii_are_those_of_the_function_and_not_of_the_mesh(unequal):
         dense = states(np.linspace(0, 1, 20001))[:, 0]
         assert entry.observables["r_min"] == pytest.approx(dense.min(), abs=1e-7)
         assert entry.observables["r_max"] == pytest.approx(dense.max(), abs=1e-7)
-
-
-def test_checkpoints_of_a_resumed_branch_hold_all_of_it(four):
-    lengths = []
-    resumed(four, branch_options({"v": 1.03}, progress=lambda so_far: lengths.append(len(so_far.points))))
-    assert lengths
-    assert min(lengths) > len(four.points)
 
 
 def test_folds_that_belong_together_are_one_point():

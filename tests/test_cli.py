@@ -355,5 +355,39 @@ def test_other_families_have_the_columns_of_pearls(capsys, tmp_path, family, mod
     assert table.special.iloc[-1] == "stop"
     assert table.v.iloc[-1] == pytest.approx(0.99, abs=1e-11)
     assert is_png(picture)
-    status, _, err = run(capsys, "branch", family, *options, "--save", str(tmp_path / "b.h5"))
-    assert (status, err.count("\n")) == (2, 1)
+
+
+def test_tubes_are_saved_resumed_and_switched(capsys, tmp_path):
+    """c0 = 0.48: the stable branch between coils and buckles, from the command line."""
+    saved, mixed = str(tmp_path / "c.h5"), str(tmp_path / "m.h5")
+    coils = ["branch", "coil", "--c0", "0.48", "--length", "10", "--until", "v=0.905", "--save", saved]
+    assert run(capsys, *coils)[0] == 0
+    status, out, err = run(
+        capsys, "branch", "coil", "--resume", saved, "--switch", "1", "--until", "v=0.907", "--save", mixed
+    )
+    assert (status, err) == (0, "")
+    table = pd.read_csv(io.StringIO(out))
+    assert (table.n_unstable == 0).all()
+    assert table.mu_error.max() < 1e-7
+    status, out, _ = run(capsys, "branch", "coil", "--resume", mixed, "--until", "v=0.9075")
+    assert status == 0
+    assert pd.read_csv(io.StringIO(out)).v.iloc[-1] == pytest.approx(0.9075, abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("family", "options", "named"),
+    [
+        ("pearl", ("--resume", "SAVED"), "--resume"),
+        ("ring", ("--resume", "SAVED", "--vary", "L"), "--vary"),
+        ("ring", ("--resume", "SAVED", "--switch", "1", "--centre", "neck"), "--centre"),
+        ("ring", ("--resume", "SAVED", "--switch", "7"), "switch"),
+        ("coil", ("--c0", "0", "--length", "10", "--tolerance", "1e-8"), "--tolerance"),
+        ("ring", ("--c0", "0", "--length", "10", "--mode", "1,2"), "--mode"),
+    ],
+)
+def test_options_that_a_family_does_not_have(capsys, tmp_path, family, options, named):
+    saved = str(tmp_path / "r.h5")
+    run(capsys, "branch", "ring", "--c0=-1", "--length", "10", "--until", "v=0.99", "--save", saved)
+    status, out, err = run(capsys, "branch", family, *(saved if option == "SAVED" else option for option in options))
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert named in err

@@ -26,13 +26,16 @@ from pearlbvp.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pearlbvp.helfrich import Tube
+
 
 @click.command(
     epilog="Examples:  pearlbvp branch pearl --c0 0 --length 10 --until v=1.3 --save b.h5 --plot b.png  |  "
     "pearlbvp branch pearl --resume b.h5 --until v=1.34  |  "
     "pearlbvp branch pearl --resume b.h5 --switch 1 --centre neck --until v=1.2  |  "
     "pearlbvp branch pearl --c0 0.75 --length 10 --shape=-0.3,0.5 --volume 1.0 --until v=1.1  |  "
-    "pearlbvp branch coil --c0 0 --length 10 --until v=0.8 --plot c.png"
+    "pearlbvp branch coil --c0 0.48 --length 10 --until v=0.85 --save c.h5  |  "
+    "pearlbvp branch coil --resume c.h5 --switch 1 --plot mixed.png"
 )
 @click.argument("family", type=click.Choice(["pearl", "ring", "coil", "buckle"]))
 @click.option("--c0", type=Number(), help="Spontaneous curvature.")
@@ -62,14 +65,16 @@ if TYPE_CHECKING:
 )
 @click.option("--step", type=Number(), help="First step along the branch.  [default: 0.1, or the largest]")
 @click.option("--max-step", type=Number(), default=0.5, show_default=True, help="Largest step along the branch.")
-@click.option("--tolerance", type=Number(), default=1e-9, show_default=True, help="Error of the profile.")
+@click.option("--tolerance", type=Number(), help="Error of the profile.  [default: 1e-9 for pearls, 1e-10 for rings]")
 @click.option("--pressure", is_flag=True, help="Stability at fixed area and given pressure, not fixed volume.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the whole branch.")
 @click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved branch.")
 @click.option("--switch", type=int, metavar="K", help="With --resume: follow the branch at its K-th bp instead.")
 @click.option("--centre", type=click.Choice(["pearl", "neck"]), default="pearl", show_default=True,
-              help="With --switch: what the new shapes are centred on.")  # fmt: skip
-@click.option("--vary", type=click.Choice(["c0", "L"]), help="With --resume: vary this from a point on, at fixed v.")
+              help="With --switch, of pearls: what the new shapes are centred on.")  # fmt: skip
+@click.option(
+    "--vary", type=click.Choice(["c0", "L"]), help="With --resume, of pearls: vary this from a point on, at fixed v."
+)
 @click.option(
     "--follow",
     type=SpecialKind(),
@@ -96,7 +101,7 @@ def branch(
     max_points: int,
     step: float | None,
     max_step: float,
-    tolerance: float,
+    tolerance: float | None,
     pressure: bool,
     save: Path | None,
     resume: Path | None,
@@ -116,9 +121,11 @@ def branch(
 
     Columns: point, special (start, bp, fold:NAME, cmc, stop, end), lambda1, lambda2, v, E, amplitude, r_min,
     r_max, n_unstable, mu_crit (largest growth rate over all perturbations that fit the tube), critical (its n,
-    and its wave number j per periods on the tube; of rings, coils and buckles its symmetry), c0, L.
+    and its wave number j per periods on the tube; of rings, coils and buckles its symmetry), c0, L, mu_error (of
+    growth rates, as rigid motions show it).
 
-    Rings, coils and buckles are followed from the straight tube on; saving and switching are for pearls only.
+    Rings end where they touch themselves; coils, buckles and what branches off from them where a section is no longer
+    star-shaped. Branches that --switch leads to from a ring, coil or buckle are resumed under that name, too.
     """
     from pearlbvp.files import writable
     from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius
@@ -153,7 +160,7 @@ def branch(
         raise InputError(f"--{unused[0]}: the saved branch has its own; leave it out")
     mode = mode or MODES[family]
     if family != "pearl":
-        unused = sorted(given & (PEARLS_ONLY | set().union(*_BRANCH_OPTIONS.values())))
+        unused = sorted(given & PEARLS_ONLY)
         if unused:
             raise InputError(f"--{unused[0]}: it is for pearls only; leave it out with {family}")
     elif mode[1] != 0:
@@ -161,7 +168,11 @@ def branch(
     from tqdm import tqdm
 
     from pearlbvp.studies import branch as study
+    from pearlbvp.studies import saved
 
+    known = None if resume is None else saved.load(resume)
+    if known is not None:
+        _check_kind(family, saved.kind_of(known))
     wanted = {name: value / radius ** LENGTH_POWER.get(name, 0) for name, value in until}
     with tqdm(unit="point", disable=None) as bar:
         checkpoint = _Checkpoint(save)
@@ -172,33 +183,29 @@ def branch(
             checkpoint(so_far)
 
         options = study.branch_options(wanted, max_points=max_points, step=step, max_step=max_step, progress=progress)
+        accuracy = {} if tolerance is None else {"tolerance": tolerance}
         fixed: Any = "area" if pressure else "area and volume"
         found: Any
-        if family != "pearl":
-            from pearlbvp.studies.tube import tube_branch
-
+        if known is None:
             tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
-            found = tube_branch(tube.c0, tube.length, family, mode, options, fixed=fixed)  # type: ignore[arg-type]
-        elif shape is not None:
-            tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
-            scaled = [amplitude / radius for amplitude in shape]
-            found = study.shape_branch(
-                tube.c0, tube.length, volume or 0, scaled, options, cells=cells, tolerance=tolerance, fixed=fixed
-            )
-        elif resume is None:
-            tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
-            found = study.pearl_branch(tube.c0, tube.length, mode[0], options, tolerance=tolerance, fixed=fixed)
+            if shape is not None:
+                scaled = [amplitude / radius for amplitude in shape]
+                found = study.shape_branch(
+                    tube.c0, tube.length, volume or 0, scaled, options, cells=cells, fixed=fixed, **accuracy
+                )
+            else:
+                found = _from_the_cylinder(family, tube, mode, options, fixed, accuracy)
         elif vary is not None and follow is not None:
-            found = study.followed(study.load(resume), *follow, vary, options, upwards=not down)
+            found = study.followed(known, *follow, vary, options, upwards=not down)
         elif vary is not None:
-            found = study.varied(study.load(resume), point, vary, options, keep=keep, upwards=not down)
-        elif switch is None:
-            found = study.resumed(study.load(resume), options)
+            found = study.varied(known, point, vary, options, keep=keep, upwards=not down)
+        elif switch is not None:
+            found = saved.switched(known, switch, options, centre=centre, grow=not shrink)
         else:
-            found = study.switched(study.load(resume), switch, options, centre=centre, grow=not shrink)  # type: ignore[arg-type]
+            found = saved.resumed(known, options)
     table = in_units_of_radius(found.table()[study.COLUMNS], radius)
     if save is not None:
-        study.save(found, save)
+        saved.save(found, save)
 
     def draw() -> Figure:
         from pearlbvp.figures.branch import draw_branch
@@ -216,8 +223,44 @@ def branch(
 MODES = {"pearl": (1, 0), "ring": (0, 2), "coil": (1, 1), "buckle": (1, 1)}
 """Modes that the families have unless others are given."""
 
-PEARLS_ONLY = {"shape", "volume", "tolerance", "save", "resume", "switch", "vary"}
+PEARLS_ONLY = {"shape", "volume", "vary", "centre"}
 """Options that rings, coils and buckles do not have."""
+
+
+def _from_the_cylinder(
+    family: str, tube: Tube, mode: tuple[int, int], options: Any, fixed: Any, accuracy: dict[str, float]
+) -> Any:
+    """The branch of a family that leaves the straight tube at a mode."""
+    if family == "pearl":
+        from pearlbvp.studies.branch import pearl_branch
+
+        return pearl_branch(tube.c0, tube.length, mode[0], options, fixed=fixed, **accuracy)
+    if family == "ring":
+        from pearlbvp.studies.ring import ring_branch
+
+        if mode[0] != 0:
+            raise InputError(
+                f"--mode: rings do not depend on x, so {mode[0]},{mode[1]} is none of them; give 0,{mode[1]}"
+            )
+        return ring_branch(tube.c0, tube.length, mode[1], options, fixed=fixed, **accuracy)
+    if accuracy:
+        raise InputError(f"--tolerance: it is for pearls and rings; leave it out with {family}")
+    from pearlbvp.studies.tube import tube_branch
+
+    return tube_branch(tube.c0, tube.length, family, mode, options, fixed=fixed)  # type: ignore[arg-type]
+
+
+def _check_kind(family: str, kind: str) -> None:
+    """Refuse a saved branch of another family.
+
+    Raises:
+        InputError: the family, and what to give instead.
+    """
+    if (family == "pearl") != (kind == "pearl"):
+        raise InputError(
+            f"--resume: the saved branch is one of {kind}s, not of {family}s; say so, or give another file"
+        )
+
 
 _BRANCH_OPTIONS = {
     "vary": {"keep", "point", "down", "follow"},
@@ -241,7 +284,7 @@ class _Checkpoint:
 
     def __call__(self, branch: Any) -> None:
         if self.path is not None and time.monotonic() - self.last > self.seconds:
-            from pearlbvp.studies.branch import save
+            from pearlbvp.studies.saved import save
 
             save(branch, self.path)
             self.last = time.monotonic()

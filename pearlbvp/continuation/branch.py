@@ -41,6 +41,10 @@ class Spectrum(Protocol):
     def mu_crit(self) -> float:
         """The largest growth rate."""
 
+    @property
+    def residual(self) -> float:
+        """Error of the growth rates, as the exact kernels show it."""
+
 
 class StableProblem(Problem, Protocol):
     """A problem that knows the stability of its solutions."""
@@ -129,9 +133,10 @@ class Branch(Generic[P]):
         return self.points[special.index]
 
     def table(self) -> pd.DataFrame:
-        """A row a point: ``point, special``, the observables, ``n_unstable, mu_crit, critical``.
+        """A row a point: ``point, special``, the observables, ``n_unstable, mu_crit, critical, mu_error``.
 
-        ``n_unstable`` is empty where more waves grow than were counted.
+        ``n_unstable`` is empty where more waves grow than were counted; ``mu_error`` is the error of growth rates, as the
+        exact kernels show it.
         """
         import pandas as pd
 
@@ -141,6 +146,7 @@ class Branch(Generic[P]):
                 "n_unstable": entry.spectrum.n_unstable if entry.spectrum.complete else None,
                 "mu_crit": entry.spectrum.mu_crit,
                 "critical": str(entry.spectrum.critical),
+                "mu_error": entry.spectrum.residual,
             }
             rows.append({"point": index, "special": ",".join(self.kinds(index))} | entry.observables | stability)
         return pd.DataFrame(rows).astype({"n_unstable": "Int64"})
@@ -188,11 +194,11 @@ class BranchOptions:
     progress: Callable[[Branch[Any]], None] = lambda branch: None
 
 
-def slope(point: Point[P], name: str, eps: float = 1e-5) -> float:
-    """Derivative of an observable along the path's tangent, by central differences."""
-    ahead = point.problem.observables(point.u + eps * point.tangent)[name]
-    behind = point.problem.observables(point.u - eps * point.tangent)[name]
-    return (ahead - behind) / (2 * eps)
+def slopes(point: Point[P], names: Sequence[str], eps: float = 1e-5) -> dict[str, float]:
+    """Derivatives of observables along the path's tangent, by central differences."""
+    ahead = point.problem.observables(point.u + eps * point.tangent)
+    behind = point.problem.observables(point.u - eps * point.tangent)
+    return {name: (ahead[name] - behind[name]) / (2 * eps) for name in names}
 
 
 @dataclass(frozen=True)
@@ -207,12 +213,25 @@ class _Event(Generic[P]):
     converged: bool = True
 
 
+EIGENVALUE = 2e-13
+"""Accuracy of the arclength at zeros of growth rates, which have the rounding of their derivatives."""
+
+DIFFERENCE = 1e-9
+"""Size of slopes, as differences know them, by that at the ends of a step."""
+
+
 def _located(
-    segment: Segment[P], kind: str, function: Callable[[Point[P]], float], ends: tuple[float, float], **what: Any
+    segment: Segment[P],
+    kind: str,
+    function: Callable[[Point[P]], float],
+    ends: tuple[float, float],
+    tolerance: float = EIGENVALUE,
+    noise: float = 0.0,
+    **what: Any,
 ) -> _Event[P]:
     """An event at a function's sign change; at the segment's end, unconverged, where that cannot be located."""
     try:
-        point = segment.root(function, ends[0])
+        point = segment.root(function, ends[0], tolerance, noise)
     except PathEnd:
         return _Event(segment.length, kind, segment.last, converged=False, **what)
     s = point.problem.inner(segment.first.tangent, point.u - segment.first.u)
@@ -254,10 +273,21 @@ def _wanted(first: BranchPoint[P], last: Point[P], until: Mapping[str, float]) -
 
         ends = difference(first.point), difference(last)
         if ends[0] != 0 and ends[0] * ends[1] <= 0:
-            found = _located(segment, "stop", difference, ends)
+            found = _located(segment, "stop", difference, ends, tolerance=1e-13)
             if not found.converged or abs(difference(found.point)) < 1e-3 * (1 + abs(value)):  # else it was a pole
                 stops.append(found)
     return min(stops, key=lambda event: event.s, default=None)
+
+
+def _turning(behind: Mapping[str, float], ahead: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+    """Slopes that change sign, at both ends."""
+    return {name: (behind[name], ahead[name]) for name in behind if behind[name] * ahead[name] < 0}
+
+
+def _fold(segment: Segment[P], name: str, ends: tuple[float, float]) -> _Event[P]:
+    """The turning point of an observable."""
+    noise = DIFFERENCE * max(map(abs, ends))
+    return _located(segment, f"fold:{name}", lambda p: slopes(p, [name])[name], ends, noise=noise)
 
 
 def _events(first: BranchPoint[P], last: BranchPoint[P], folds: Sequence[str], at_start: bool) -> list[_Event[P]]:
@@ -272,19 +302,26 @@ def _events(first: BranchPoint[P], last: BranchPoint[P], folds: Sequence[str], a
             return [_located(segment, name, lambda p, n=name: p.problem.poles(p.u)[n], (before, after))]  # type: ignore[misc]
     # At a pitchfork every observable turns: its slope is that of the branch a little further on.
     behind = segment.point(0.1 * segment.length) if at_start else first.point
-    for name in folds:
-        ends = slope(behind, name), slope(last.point, name)
-        if ends[0] * ends[1] < 0:
-            events.append(_located(segment, f"fold:{name}", lambda p, n=name: slope(p, n), ends))  # type: ignore[misc]
     crossings = _crossing_rates(first.spectrum, last.spectrum, 1e-6 if at_start else 0.0)
     if any(block == problem.own_block for block, *_ in crossings):
         segment.refine(segment.length / 2)
-    own = [crossing for crossing in crossings if crossing[0] == problem.own_block]
-    turn = next((event for event in events if event.kind == f"fold:{problem.conserved}"), None)
-    if turn is not None and turn.converged and not own and _is_symmetric(turn, last):
-        # What turns, turns without a change of stability: the branch passes through a more symmetric solution, and all
-        # observables turn with it. It is a pitchfork, met from its side.
-        return [_Event(turn.s, "bp", turn.point, block=problem.own_block)]
+    turns = _turning(slopes(behind, folds), slopes(last.point, folds))
+    turn = None
+    if problem.conserved in turns:
+        turn = _fold(segment, problem.conserved, turns.pop(problem.conserved))
+        own = any(block == problem.own_block for block, *_ in crossings)
+        if turn.converged and not own and _is_symmetric(turn, last):
+            # What turns, turns without a change of stability: the branch passes through a more symmetric solution, and all
+            # observables turn with it. It is a pitchfork, met from its side.
+            return [_Event(turn.s, "bp", turn.point, block=problem.own_block)]
+        events.append(turn)
+    for name, ends in turns.items():
+        known = (event.point for event in events if event.converged)
+        together = next((p for p in known if abs(slopes(p, [name])[name]) < 1e-7 * max(map(abs, ends))), None)
+        if together is None:
+            events.append(_fold(segment, name, ends))
+        else:  # energy and volume, say
+            events += [replace(event, kind=f"fold:{name}") for event in events[:] if event.point is together][:1]
     for block, k, before, after in crossings:
         if block == problem.own_block and not problem.conserved:
             continue  # stability changes where the branch neither turns nor meets another

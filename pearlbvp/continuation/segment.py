@@ -12,7 +12,7 @@ import numpy as np
 
 from pearlbvp.continuation.crossing import correct_beside
 from pearlbvp.continuation.interpolation import interpolate
-from pearlbvp.continuation.path import P, PathEnd, Point, correct
+from pearlbvp.continuation.path import SAFETY, P, PathEnd, Point, correct
 from pearlbvp.continuation.problem import Array
 from pearlbvp.newton import NewtonOptions
 
@@ -32,6 +32,7 @@ class Segment(Generic[P]):
     last: Point[P]
     _known: dict[float, Point[P]] = field(default_factory=dict, repr=False)
     _nodes: dict[float, Array] = field(default_factory=dict, repr=False)
+    _rates: list[float] = field(default_factory=lambda: [1e4], repr=False)
 
     @property
     def length(self) -> float:
@@ -40,12 +41,15 @@ class Segment(Generic[P]):
         return problem.inner(self.first.tangent, problem.adopt(self.last.problem, self.last.u) - self.first.u)
 
     def _guess(self, s: float) -> Array:
-        """A guess: from the tangent at the first point to the chord at the last, or through the points of ``refine``."""
+        """From the tangent at the first point through what is known up to the last, or through the points of ``refine``."""
         if self._nodes:
             return interpolate(s, self._nodes)
         base, tangent = self.first.u, self.first.tangent
-        end = self.first.problem.adopt(self.last.problem, self.last.u)
-        return base + s * tangent + (s / self.length) ** 2 * (end - base - self.length * tangent)
+        known = {at: point.u for at, point in self._known.items()}
+        known.setdefault(self.length, self.first.problem.adopt(self.last.problem, self.last.u))
+        bends = {at: (u - base - at * tangent) / at**2 for at, u in known.items()}
+        bend = interpolate(s, bends, apart=abs(self.length) / 50)
+        return np.asarray(base + s * tangent + s**2 * bend)
 
     def point(self, s: float) -> Point[P]:
         """The solution at arclength ``s``, on the first point's mesh.
@@ -61,13 +65,16 @@ class Segment(Generic[P]):
         if s not in self._known:
             problem, base, tangent = self.first.problem, self.first.u, self.first.tangent
             guess = self._guess(s)
-            result, direction = correct(problem, guess, tangent, base, s, NewtonOptions(max_iterations=10))
+            rate = self._rates[-1]
+            result, direction = correct(problem, guess, tangent, base, s, NewtonOptions(max_iterations=10), rate)
             u = result.u
+            if result.converged and result.iterations > 1:
+                self._rates.append(SAFETY * result.rate)
             if not result.converged:
                 u, direction = self._beside(guess), tangent
                 if not np.abs(problem.residual(u)).max() < BESIDE:
                     raise PathEnd(f"no solution between two points of the path: {result.message}; take shorter steps")
-            else:  # exactly here, not at the last iterate but one
+            elif result.correction > 1e-10:  # exactly here, not at the last iterate but one
                 unit = np.zeros(u.size)
                 unit[-1] = 1.0
                 with suppress(np.linalg.LinAlgError):
@@ -95,12 +102,16 @@ class Segment(Generic[P]):
         if len(nodes) > 4:
             self._nodes.update(nodes)
 
-    def root(self, function: Callable[[Point[P]], float], at_first: float) -> Point[P]:
-        """The point where a function changes its sign, to the accuracy of ``s`` in rounding (Brent's method).
+    def root(
+        self, function: Callable[[Point[P]], float], at_first: float, tolerance: float = 1e-13, noise: float = 0.0
+    ) -> Point[P]:
+        """The point where a function changes its sign (Brent's method).
 
         Args:
             function: of a point.
             at_first: its value at the first point; that at the last has the opposite sign.
+            tolerance: of the arclength, relative to one plus the segment's.
+            noise: values smaller than this are zero.
 
         Raises:
             PathEnd: no sign change on the first point's mesh, or the corrector fails.
@@ -111,13 +122,14 @@ class Segment(Generic[P]):
             if s == 0:
                 return at_first
             try:
-                return function(self.point(s))
+                found = function(self.point(s))
             except PathEnd:
                 self.refine(s)
-                return function(self.point(s))
+                found = function(self.point(s))
+            return 0.0 if abs(found) < noise else found
 
         # The value at the last point is that on the last point's mesh: compute it on this one.
         if value(self.length) * at_first > 0:
             raise PathEnd("a sign change between two points is lost on the first one's mesh; take shorter steps")
-        s = float(brentq(value, 0.0, self.length, xtol=1e-13 * (1 + self.length), rtol=1e-14, maxiter=60))
+        s = float(brentq(value, 0.0, self.length, xtol=tolerance * (1 + abs(self.length)), rtol=1e-14, maxiter=60))
         return self.point(s)

@@ -1,8 +1,8 @@
 """Branches in HDF5 files: whole, readable by any HDF5 library, with no pickle in them.
 
-Layout: attributes ``format, version, reason, complete``; groups ``problems/0 ...`` (each mesh once), ``points/0 ...`` with
-``u, tangent``, their observables as attributes, the number of their problem and a group ``spectrum``; group ``special``
-with columns. Problems and spectra describe themselves as trees of arrays, numbers and words (``to_tree``).
+Layout: attributes ``format, version, kind, reason, complete``; groups ``problems/0 ...`` (each mesh once), ``points/0 ...``
+with ``u, tangent``, their observables as attributes, the number of their problem and a group ``spectrum``; group
+``special`` with columns. Problems and spectra describe themselves as trees of arrays, numbers and words (``to_tree``).
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ def write_branch(branch: Branch[Any], path: Path) -> None:
     """Write a branch into a new file."""
     with h5py.File(path, "w") as file:
         file.attrs.update({"format": FORMAT, "version": VERSION, "reason": branch.reason, "complete": branch.complete})
+        kind: Any = branch.points[0].point.problem
+        file.attrs["kind"] = kind.kind
         numbers: dict[int, int] = {}
         problems, points = file.create_group("problems"), file.create_group("points")
         for index, entry in enumerate(branch.points):
@@ -56,14 +58,15 @@ def write_branch(branch: Branch[Any], path: Path) -> None:
                 group.attrs["block"] = list(branch.points[found.index].spectrum.rates).index(found.block)
 
 
-def read_branch(
-    path: Path, problem_from: Callable[[Mapping[str, Any]], Any], spectrum_from: Callable[[Mapping[str, Any]], Any]
-) -> Branch[Any]:
+Reader = Callable[[Mapping[str, Any]], Any]
+
+
+def read_branch(path: Path, kinds: Mapping[str, tuple[Reader, Reader]]) -> Branch[Any]:
     """Read a branch.
 
     Args:
         path: a file that ``write_branch`` wrote.
-        problem_from, spectrum_from: the inverses of the problems' and spectra's ``to_tree``.
+        kinds: for each kind of problem the inverses of its and its spectra's ``to_tree``.
 
     Raises:
         InputError: the file cannot be opened, is no saved branch, or is not whole.
@@ -72,6 +75,7 @@ def read_branch(
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != FORMAT or int(file.attrs.get("version", 0)) != VERSION:
                 raise InputError(f"resume: {path} is no branch saved by this version; save one with --save")
+            problem_from, spectrum_from = kinds[str(file.attrs.get("kind", "pearl"))]
             problems = [problem_from(_read_tree(file["problems"][str(i)])) for i in range(len(file["problems"]))]
             points = [_read_point(file["points"][str(i)], problems, spectrum_from) for i in range(len(file["points"]))]
             special = [_read_special(file["special"][str(i)].attrs, points) for i in range(len(file["special"]))]

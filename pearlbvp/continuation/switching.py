@@ -57,7 +57,27 @@ def switch(
             f"special: {special.kind} at point {special.index} is no located branch point; choose one of find('bp')"
         )
     point = branch.at(special).point
-    problem, (u, tangent) = point.problem.embed(special.block, centre, point.u, point.tangent)
+    return leave(point.problem, point.u, point.tangent, special.block, options, centre=centre, grow=grow)
+
+
+def leave(
+    problem: Any,
+    u: Array,
+    tangent: Array,
+    block: Any,
+    options: BranchOptions,
+    *,
+    centre: str = "pearl",
+    grow: bool = True,
+) -> Branch[Any]:
+    """Follow the branch that crosses another at a solution where the growth rate of a block is zero.
+
+    Args:
+        problem, u, tangent: of the branch that is left, at the branch point.
+        block: the block of the neutral perturbation.
+        options, centre, grow: as ``switch`` takes them.
+    """
+    problem, (u, tangent) = problem.embed(block, centre, u, tangent)
     tangent = tangent / math.sqrt(problem.inner(tangent, tangent))
     direction = crossing_direction(problem, u, tangent)
     if problem.grows_at_centre(direction) != grow:

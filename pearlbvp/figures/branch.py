@@ -71,7 +71,7 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
     for place, index in enumerate(chosen):
         point = branch.points[index].point
         colour = COLOURS[0] if branch.points[index].spectrum.n_unstable == 0 else COLOURS[1]
-        for x in np.arange(4) / 4 * 2 * np.pi / point.problem.k:
+        for x in np.arange(4) / 4 * point.problem.wavelength:
             y, z = point.problem.section(point.u, x)
             axes.plot(y + place * width, z, color=colour, linewidth=1.0, alpha=0.7)
         label = f"point {index}\nv = {point.observables['v']:.4f}"

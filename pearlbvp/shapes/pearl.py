@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
@@ -50,6 +50,8 @@ class PearlProblem:
         cells: periods on the tube, for stability.
         fixed: what perturbations keep, for stability.
     """
+
+    kind: ClassVar[str] = "pearl"
 
     discretization: Discretization
     reference: PiecewisePolynomial | None

@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, get_args
+from typing import Any, ClassVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,12 +103,19 @@ class RingProblem:
         fixed: what perturbations keep, for stability.
     """
 
+    kind: ClassVar[str] = "ring"
+
     discretization: Discretization
     n: int
     c0: float
     length: float
     tolerance: float
     fixed: Fixed = "area and volume"
+
+    @property
+    def wavelength(self) -> float:
+        """Length after which sections repeat: any."""
+        return self.length
 
     def residual(self, u: Array) -> Array:
         """Defects, boundary conditions and the virial at ``u``."""

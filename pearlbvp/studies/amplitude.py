@@ -85,6 +85,7 @@ class PredictedSpectrum:
         n_unstable: dimension of the unstable space.
         mu_crit: the largest growth rate.
         critical: whose it is.
+        residual: error of the rates, which a prediction does not know.
     """
 
     rates: Mapping[str, Array]
@@ -92,6 +93,7 @@ class PredictedSpectrum:
     mu_crit: float
     critical: str
     complete: bool = True
+    residual: float = math.nan
 
 
 def _other_modes(equation: AmplitudeEquation) -> list[tuple[Mode, int, float]]:

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,20 +12,17 @@ import numpy as np
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, SpecialPoint, continue_branch, start_point
 from pearlbvp.continuation.path import PathOptions
-from pearlbvp.continuation.storage import read_branch, write_branch
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.continuation.two_parameters import CurveOnSurface, follow
 from pearlbvp.errors import InputError
-from pearlbvp.files import writable, write_whole
 from pearlbvp.helfrich import Tube, finite, positive
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import Centre, PearlProblem, pearling_onset
 from pearlbvp.stability.bloch import Fixed
-from pearlbvp.stability.spectrum import Spectrum
 from pearlbvp.theory.dispersion import critical_lambda2
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
-           "critical", "c0", "L"]  # fmt: skip
+           "critical", "c0", "L", "mu_error"]  # fmt: skip
 STOPS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L", "mu_crit")
 """Columns at a value of which a branch can stop."""
 
@@ -175,12 +170,6 @@ def shape_branch(
     return lower.extended(continue_branch(start_point(problem, u, tangent), both))
 
 
-def resumed(branch: Branch[PearlProblem], options: BranchOptions) -> Branch[PearlProblem]:
-    """A branch continued from its last point; that and what follows as one branch."""
-    whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
-    return branch.extended(continue_branch(branch.points[-1].point, whole))
-
-
 def varied(
     branch: Branch[PearlProblem],
     index: int,
@@ -298,36 +287,26 @@ def switched(
     Raises:
         InputError: there is no such branch point, or its new shapes are not axisymmetric.
     """
-    found: list[SpecialPoint[PearlProblem]] = branch.find("bp")
-    if not 1 <= number <= len(found):
-        raise InputError(f"switch: the branch has {len(found)} branch points, so there is none of number {number}")
-    special = found[number - 1]
+    special = numbered(branch, number)
     if special.block.n != 0:
         raise InputError(
             f"switch: at branch point {number} shapes with n = {special.block.n} branch off, which are no pearls"
         )
+    return switch(branch, special, options, centre=centre, grow=grow)
+
+
+def numbered(branch: Branch[Any], number: int) -> SpecialPoint[Any]:
+    """The branch point of a number (the first is 1).
+
+    Raises:
+        InputError: there is none, or it was not located.
+    """
+    found: list[SpecialPoint[Any]] = branch.find("bp")
+    if not 1 <= number <= len(found):
+        raise InputError(f"switch: the branch has {len(found)} branch points, so there is none of number {number}")
+    special = found[number - 1]
     if not special.converged:
         raise InputError(
             f"switch: branch point {number} was not located; follow the branch in shorter steps (--max-step)"
         )
-    return switch(branch, special, options, centre=centre, grow=grow)
-
-
-def save(branch: Branch[PearlProblem], path: str | os.PathLike[str]) -> None:
-    """Save a branch as HDF5, whole or not at all.
-
-    Raises:
-        InputError: the place cannot be written to.
-    """
-    write_whole("save", writable("save", path), lambda temporary: write_branch(branch, temporary))
-
-
-def load(path: str | os.PathLike[str]) -> Branch[PearlProblem]:
-    """Load a branch that ``save`` saved. Nothing in the file is executed.
-
-    Raises:
-        InputError: the file is no saved branch, or is not whole.
-    """
-    if not Path(path).is_file():
-        raise InputError(f"resume: there is no file {path}; give one that --save wrote")
-    return read_branch(Path(path), PearlProblem.from_tree, Spectrum.from_tree)
+    return special

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
-from pathlib import Path
+from typing import Literal
 
+import numpy as np
+
+from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
-from pearlbvp.continuation.path import Point
-from pearlbvp.continuation.storage import read_branch, write_branch
+from pearlbvp.continuation.path import Point, correct
+from pearlbvp.continuation.switching import leave
 from pearlbvp.errors import InputError
-from pearlbvp.files import writable, write_whole
 from pearlbvp.helfrich import Tube
+from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.ring import RingProblem, ring_onset
 from pearlbvp.stability.bloch import Fixed
-from pearlbvp.stability.planar import MOST_WAVES, PlanarSpectrum, PlanarVariation
-from pearlbvp.studies.branch import COLUMNS, RESOLVED, branch_options
+from pearlbvp.stability.planar import MOST_WAVES, PlanarVariation
+from pearlbvp.studies.branch import COLUMNS, RESOLVED, branch_options, numbered
+from pearlbvp.studies.tube import tube_options
+from pearlbvp.tube.modes import Mode
+from pearlbvp.tube.problem import TubeProblem
+from pearlbvp.tube.symmetry import ODD_PHI, ring_symmetry
 
 CONTACT = "the ring touches itself; beyond, it would pass through itself"
 TOUCHING = 1e-9
@@ -72,6 +78,71 @@ def ring_resumed(branch: Branch[RingProblem], options: BranchOptions) -> Branch[
     return branch.extended(_to_contact(last, whole, at_bifurcation=len(branch.points) == 1))
 
 
+def ring_switched(
+    branch: Branch[RingProblem], number: int, options: BranchOptions, *, grow: bool = True
+) -> Branch[TubeProblem]:
+    """The branch of tubes that crosses a branch of rings at its branch point ``number`` (the first is 1).
+
+    Its shapes are no rings: waves along the tube on the wrinkles (``oblates embedded in wrinkling``, wrinkled buckles). They
+    are followed in reduced modes, as long as the sections are star-shaped.
+
+    Args:
+        branch: a branch of rings.
+        number: which of its branch points.
+        options: where to stop and how to step.
+        grow: follow the half on which the largest new mode grows; on a pitchfork the two are the same shapes.
+
+    Raises:
+        InputError: there is no such branch point, or it was not located, or the ring there is not star-shaped.
+    """
+    special = numbered(branch, number)
+    problem, u, tangent = reduced(branch.at(special).point)
+    c, parity = special.block.c, special.block.parity
+    block = problem.symmetry.block(special.block.j, c, ODD_PHI if parity == "odd" else 0)
+    return leave(problem, u, tangent, block, tube_options(options), grow=grow)
+
+
+def reduced(point: Point[RingProblem]) -> tuple[TubeProblem, Array, Array]:
+    """A ring in reduced modes: problem, unknown and unit tangent of the branch of rings.
+
+    Raises:
+        InputError: its section is not star-shaped about its centre.
+    """
+    ring, observed = point.problem, point.observables
+    problem = TubeProblem(ring_symmetry(ring.n), ring.c0, ring.length, (0, 24), fixed=_tube_fixed(ring.fixed))
+    while True:
+        try:
+            radii = ring.radius_cosines(point.u, problem.size[1] + 1)
+        except ValueError:
+            raise InputError(
+                f"switch: at v = {observed['v']:.4f} the ring is not star-shaped about its centre, as tubes need it"
+            ) from None
+        known = {Mode("sigma", 0, "cos", ring.n * i): float(a) for i, a in enumerate(radii)}
+        guess = np.append(problem.packed(known), [observed[name] for name in ("lambda1", "lambda2", "v")])
+        moved = problem.remesh(guess)
+        if moved is None:
+            break
+        problem = moved[0]
+    by_volume = np.zeros(guess.size)
+    by_volume[-1] = 1.0
+    result, tangent = correct(problem, guess, by_volume, guess, 0.0, NewtonOptions(max_iterations=10))
+    if not result.converged:
+        raise InputError(f"switch: the ring at v = {observed['v']:.4f} could not be taken over ({result.message})")
+    tangent *= np.sign(point.tangent @ _volume_direction(point))
+    return problem, result.u, tangent / np.sqrt(problem.inner(tangent, tangent))
+
+
+def _volume_direction(point: Point[RingProblem]) -> Array:
+    """Unit vector of the reduced volume in a ring's unknown."""
+    unit = np.zeros_like(point.u)
+    unit[-1] = 1.0
+    return unit
+
+
+def _tube_fixed(fixed: Fixed) -> Literal["area and volume", "area"]:
+    return "area" if fixed == "area" else "area and volume"
+
+
 def _to_contact(start: Point[RingProblem], options: BranchOptions, *, at_bifurcation: bool) -> Branch[RingProblem]:
     """The branch from a point on, stopped exactly where the gap closes: there it cannot go on, whoever asked for more."""
     bounded = replace(options, until={**options.until, "gap": 0.0}, limit=_limit)
@@ -93,24 +164,4 @@ def _limit(point: BranchPoint[RingProblem]) -> str | None:
     return None
 
 
-def save_rings(branch: Branch[RingProblem], path: str | os.PathLike[str]) -> None:
-    """Save a branch of rings as HDF5, whole or not at all.
-
-    Raises:
-        InputError: the place cannot be written to.
-    """
-    write_whole("save", writable("save", path), lambda temporary: write_branch(branch, temporary))
-
-
-def load_rings(path: str | os.PathLike[str]) -> Branch[RingProblem]:
-    """Load a branch that ``save_rings`` saved. Nothing in the file is executed.
-
-    Raises:
-        InputError: the file is no saved branch of rings, or is not whole.
-    """
-    if not Path(path).is_file():
-        raise InputError(f"resume: there is no file {path}; give one that --save wrote")
-    return read_branch(Path(path), RingProblem.from_tree, PlanarSpectrum.from_tree)
-
-
-__all__ = ["COLUMNS", "CONTACT", "load_rings", "ring_branch", "ring_resumed", "save_rings"]
+__all__ = ["COLUMNS", "CONTACT", "ring_branch", "ring_resumed", "ring_switched"]

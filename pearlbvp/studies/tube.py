@@ -6,15 +6,17 @@ from dataclasses import replace
 from typing import get_args
 
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
+from pearlbvp.continuation.switching import switch
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
-from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.branch import branch_options, numbered
 from pearlbvp.theory.dispersion import Mode
-from pearlbvp.tube.problem import Family, TubeProblem, onset
+from pearlbvp.tube.onset import Family, onset
+from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.tube.spectrum import Fixed
 
-UNRESOLVED = 1e-5
-"""Growth rate of a rigid motion, which should be none, beyond which a branch ends rather than count wrongly."""
+UNRESOLVED = 1e-6
+"""Error of the growth rates, as rigid motions show it, beyond which a branch ends rather than count wrongly."""
 
 
 def tube_branch(
@@ -31,7 +33,8 @@ def tube_branch(
     Args:
         c0: spontaneous curvature.
         length: axial period of the tube, in radii.
-        family: ``ring`` (mode ``0,n``), ``coil`` (``m,1``) or ``buckle`` (``m,n``).
+        family: ``pearl`` (mode ``m,0``), ``ring`` (``0,n``), ``coil`` (``m,1``) or ``buckle`` (``m,n``). Pearls and rings are
+            better followed as what they are (``studies.branch``, ``studies.ring``): through overhangs, to thin necks.
         mode: waves along and around the tube.
         options: where to stop and how to step, from ``studies.branch.branch_options``.
         fixed: what the perturbations keep that stability is judged by.
@@ -45,14 +48,44 @@ def tube_branch(
     if family not in get_args(Family):
         raise InputError(f"family: {family!r} is none of {', '.join(get_args(Family))}")
     problem, u, direction = onset(Tube(c0, length), family, *mode, fixed=fixed)
-    options = replace(options or branch_options(), limit=_limit)
-    return continue_branch(start_point(problem, u, direction), options, at_bifurcation=True)
+    start = start_point(problem, u, direction)
+    return continue_branch(start, tube_options(options or branch_options()), at_bifurcation=True)
+
+
+def tube_switched(
+    branch: Branch[TubeProblem], number: int, options: BranchOptions, *, grow: bool = True
+) -> Branch[TubeProblem]:
+    """The branch that crosses a branch of tubes at its branch point ``number`` (the first is 1).
+
+    Args:
+        branch: a branch of coils, buckles, or of what branched off from one.
+        number: which of its branch points.
+        options: where to stop and how to step.
+        grow: follow the half on which the largest new mode grows; on a pitchfork the two are the same shapes.
+
+    Raises:
+        InputError: there is no such branch point, or it was not located.
+    """
+    special = numbered(branch, number)
+    if special.change == 0:
+        raise InputError(
+            f"switch: at branch point {number} the branch meets a more symmetric one; follow that from its start"
+        )
+    return switch(branch, special, tube_options(options), grow=grow)
+
+
+def tube_options(options: BranchOptions) -> BranchOptions:
+    """Options for tubes: where reduced modes end."""
+    return replace(options, limit=_limit)
 
 
 def _limit(point: BranchPoint[TubeProblem]) -> str | None:
     if point.observables["r_min"] <= 0:
-        return "a cross-section is no longer star-shaped about its centre, as these modes need it"
+        return "a cross-section is no longer star-shaped about its centre, as reduced modes need it"
     if point.spectrum.kernel > UNRESOLVED:
-        size = point.point.problem.size
-        return f"rigid motions have growth rates of {point.spectrum.kernel:.0e}: {size} modes do not resolve the shape"
+        size = " x ".join(str(most) for most in point.point.problem.size if most)
+        return (
+            f"its growth rates are known to {point.spectrum.kernel:.0e} only, as its rigid motions show: {size} modes, "
+            "the most there are, do not resolve the shape"
+        )
     return None

@@ -35,6 +35,16 @@ class Mode(NamedTuple):
     b: int = 0
     around: str = "cos"
 
+    @property
+    def harmonic(self) -> int:
+        """Wave number around the tube of what it moves points by: 1 for the centre."""
+        return self.b if self.part == "sigma" else 1
+
+    @property
+    def is_even(self) -> bool:
+        """Whether it is even in ``phi``."""
+        return self.around == "cos" if self.part == "sigma" else self.part == "y"
+
 
 def _trigonometric(name: str, frequency: float, t: Array) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """A function of ``frequency * t`` and its first two derivatives by ``t``."""

@@ -1,13 +1,8 @@
-"""Rings, coils and buckles as sums of modes, as ``continuation`` takes them (design, §6 and §7).
+"""Tubes of any symmetry as sums of modes, as ``continuation`` takes them (design, §6 and §7).
 
-Each family lives in the space of its symmetry, where its bifurcation is simple and nothing needs a phase condition:
-
-- ``ring``: independent of ``x``, ``n``-fold, even in ``phi``;
-- ``coil``: independent of ``x`` in a frame that turns once in ``L/m``, even in ``phi``;
-- ``buckle``: even in ``x`` and ``phi``, invariant under a shift by half a wave both ways.
-
-The unknown holds the modes' coefficients, then ``lambda1, lambda2, v``. Equations: the energy's gradient by the coefficients
-with both constraints' multipliers, the area, the volume. All are exact derivatives of one trapezoidal sum.
+Each tube lives in the space of its symmetry (``tube.symmetry``), where its bifurcation is simple. The unknown holds the modes'
+coefficients, then ``lambda1, lambda2, v``. Equations: the energy's gradient by the coefficients with both constraints'
+multipliers, the area, the volume. All are exact derivatives of one trapezoidal sum.
 """
 
 from __future__ import annotations
@@ -16,108 +11,125 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from itertools import product
+from typing import Any, ClassVar, get_args
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from pearlbvp.collocation.scheme import Array
-from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube
-from pearlbvp.theory.amplitude import amplitude_equation
-from pearlbvp.tube.density import gradients, hessians
-from pearlbvp.tube.modes import Basis, Mode, grid
-from pearlbvp.tube.spectrum import Fixed, Surface, TubeBlock, TubeSpectrum, block_rates
+from pearlbvp.tube.density import gradients
+from pearlbvp.tube.extremes import extremes
+from pearlbvp.tube.modes import Basis, Mode
+from pearlbvp.tube.rigid import rigid_motions
+from pearlbvp.tube.spectrum import Equilibrium, Fixed, TubeSpectrum, block_rates
+from pearlbvp.tube.symmetry import TubeBlock, TubeSymmetry, ellipse
+from pearlbvp.tube.waves import Cell, ModeWaves
 
-Family = Literal["ring", "coil", "buckle"]
+MOST_MODES, MOST_MODES_PLANE = 256, 48
+"""Largest number of periods or folds in a tube's modes: where it depends on one variable, and each way where on two."""
+
+PLANE_TOLERANCE = 1e-7
+"""Of the curvature of the last modes where a tube depends on two variables. Multipliers and energy, stationary values, are
+far better."""
 
 
 @dataclass(frozen=True)
 class TubeProblem:
-    """A family of tubes on a number of modes: ``residual(u) = 0`` is a curve.
+    """Tubes of one symmetry on a number of modes: ``residual(u) = 0`` is a curve.
 
     Attributes:
-        family: its symmetry.
-        m, n: waves along and around the tube where it branches off.
+        symmetry: the symmetry.
         c0, length: the tube's.
-        size: largest wave numbers along and around, in units of ``m`` waves and of ``n`` (of 1 where ``n = 1``).
-        tolerance: of the smallest modes' coefficients, beyond which ``remesh`` takes more.
+        size: largest wave numbers along and around, in periods and in folds.
+        pinned: rigid motions that the symmetry leaves free, shape (r, N): solutions are perpendicular to them.
+        tolerance: of the last modes' curvature, beyond which ``remesh`` takes more.
         fixed: what perturbations keep, for stability.
     """
 
-    family: Family
-    m: int
-    n: int
+    kind: ClassVar[str] = "tube"
+
+    symmetry: TubeSymmetry
     c0: float
     length: float
     size: tuple[int, int]
-    tolerance: float = 1e-10
+    pinned: Array | None = None
+    tolerance: float = 2e-8
     fixed: Fixed = "area and volume"
-
-    @cached_property
-    def kappa(self) -> float:
-        """Rate at which the frame turns."""
-        return 2 * math.pi * self.m / self.length if self.family == "coil" else 0.0
 
     @property
     def k(self) -> float:
         """Unit of the wave numbers along the tube."""
-        return 2 * math.pi * max(self.m, 1) / self.length
+        return 2 * math.pi / self.length
+
+    @property
+    def kappa(self) -> float:
+        """Rate at which the frame turns."""
+        return self.symmetry.turns * self.k
+
+    @property
+    def wavelength(self) -> float:
+        """Length after which sections repeat."""
+        return self.length / (self.symmetry.period or self.symmetry.turns or 1)
 
     @cached_property
     def modes(self) -> tuple[Mode, ...]:
         """The functions that solutions are sums of."""
-        along = range(self.size[0] + 1) if self.family == "buckle" else (0,)
-        glide = self.family == "buckle"
-        found = [
-            Mode("sigma", p, "cos", b * self.n)
-            for p in along
-            for b in range(self.size[1] + 1)
-            if b * self.n != 1 and not (glide and (p + b) % 2)
-        ]
-        if self.n == 1:
-            found += [Mode("y", p) for p in along if not (glide and p % 2 == 0)]
-        return tuple(found)
-
-    def _points(self) -> tuple[int, int]:
-        """Points of the trapezoidal sum on a whole period: three times the largest wave number, for what is no product."""
-        along = 4 * self.size[0] + 8 if self.family == "buckle" else 1
-        return along, 4 * self.size[1] + 8
+        return self.symmetry.modes(self.size)
 
     @cached_property
-    def basis(self) -> Basis:
-        """The modes on a quarter of the period."""
-        x, phi = grid(*self._points(), 2 * math.pi / self.k, 2 * math.pi / self.n, halved=True)
-        return Basis.of(self.modes, self.k, self.kappa, x, phi)
+    def waves(self) -> ModeWaves:
+        """The same as waves."""
+        return ModeWaves.of(self.k, self.kappa, self.modes)[0]
 
-    def coefficients(self, u: Array) -> Array:
-        """Those of the modes, shape (N,)."""
-        return u[:-3]
+    @cached_property
+    def cell(self) -> Cell:
+        """A period of the tube, on points that resolve products of three modes."""
+        along, around = (
+            next_fast_len(3 * most + 8, real=True) if unit else 1
+            for most, unit in zip(self.size, self._units, strict=True)
+        )
+        return Cell(self.symmetry.period, self.symmetry.fold, (along, around))
+
+    @property
+    def _units(self) -> tuple[int, int]:
+        return self.symmetry.period, self.symmetry.fold
 
     def _gradients(self, u: Array) -> tuple[float, float, float, Array, Array, Array]:
         """Means of energy, area and volume by unit area of the cylinder, and their gradients."""
-        state, fields = self.basis.state(u[:-3]), self.basis.fields
+        state = self.waves.state(self.cell, u[:-3])
         values, slopes = gradients(state, self.c0)
-        count = state.shape[1]
-        energy, area = (np.tensordot(slope.T, fields, 2) / count for slope in slopes)
+        by_volume = np.zeros_like(state)
+        by_volume[3] = state[3]  # volume is the mean of sigma^2/2, and sigma is the field b_1
+        transform = self.cell.transform
+        energy, area, volume = (self.waves.linear(self.cell, transform(slope)) for slope in (*slopes, by_volume))
         return (
-            values[0].mean(), values[1].mean(), float(state[3] @ state[3]) / (2 * count),
-            energy, area, state[3] @ fields[:, 3] / count,
-        )  # fmt: skip
+            values[0].mean(),
+            values[1].mean(),
+            float(state[3] @ state[3]) / (2 * state.shape[1]),
+            energy,
+            area,
+            volume,
+        )
 
     def residual(self, u: Array) -> Array:
         """The equations at ``u``, shape (N + 2,)."""
         _, area, volume, by_energy, by_area, by_volume = self._gradients(u)
-        return np.concatenate((by_energy + u[-3] * by_area + u[-2] * by_volume, [area - 1, volume - u[-1] / 2]))
+        force = by_energy + u[-3] * by_area + u[-2] * by_volume
+        if self.pinned is not None:
+            # The energy does not change along rigid motions, so this is no force: at a solution it vanishes by itself.
+            force += self.pinned.T @ (self.pinned @ u[:-3])
+        return np.concatenate((force, [area - 1, volume - u[-1] / 2]))
 
     def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
         """Bordered solve of the residual's Jacobian at ``u``; see ``Problem.solve``."""
-        state, fields = self.basis.state(u[:-3]), self.basis.fields
-        hessian = hessians(state, self.c0, u[-3])
-        hessian[:, 3, 3] += u[-2]
-        count, _, size = fields.shape
-        second = fields.reshape(-1, size).T @ (hessian @ fields).reshape(-1, size) / count
-        *_, by_area, by_volume = self._gradients(u)
+        equilibrium = self.equilibrium(u)
+        second = equilibrium.hessian(self.waves)
+        if self.pinned is not None:
+            second = second + self.pinned.T @ self.pinned
+        by_area, by_volume = equilibrium.constraints(self.waves)
         rows = np.zeros((0, u.size)) if row is None else np.atleast_2d(row) * self.weights
+        size = len(second)
         matrix = np.zeros((size + 2 + len(rows), u.size))
         matrix[:size, :size] = second
         matrix[:size, size], matrix[:size, size + 1] = by_area, by_volume
@@ -129,7 +141,8 @@ class TubeProblem:
     @cached_property
     def weights(self) -> Array:
         """Of the entries of ``u`` in the inner product: mean squares of the modes, 1 for the parameters."""
-        return np.append(self.basis.norms(), np.ones(3))
+        squares = [(0.5 if mode.p else 1.0) * (0.5 if mode.b else 1.0) for mode in self.modes]
+        return np.array([*squares, 1.0, 1.0, 1.0])
 
     def inner(self, u: Array, v: Array) -> float:
         """Inner product that does not depend on the number of modes."""
@@ -137,66 +150,109 @@ class TubeProblem:
 
     def observables(self, u: Array) -> dict[str, float]:
         """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L``; radii are measured from the sections' centres."""
-        thin, thick = self._extremes(u)
+        thin, thick = extremes(self.waves, self.cell, u[:-3])
+        energy = gradients(self.waves.state(self.cell, u[:-3]), self.c0)[0][0].mean()
         return {
-            "lambda1": float(u[-3]), "lambda2": float(u[-2]), "v": float(u[-1]), "E": float(self._gradients(u)[0]),
+            "lambda1": float(u[-3]), "lambda2": float(u[-2]), "v": float(u[-1]), "E": float(energy),
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,
         }  # fmt: skip
 
-    @cached_property
-    def _fine(self) -> Array:
-        """Values of the modes of ``sigma`` on a fine grid with the planes of symmetry, shape (points, N)."""
-        along = np.linspace(0, np.pi / self.k, 33) if self.family == "buckle" else np.zeros(1)
-        around = np.linspace(0, np.pi / self.n, 65 if self.family == "buckle" else 513)
-        x, phi = (t.ravel() for t in np.meshgrid(along, around, indexing="ij"))
-        return Basis.of(self.modes, self.k, self.kappa, x, phi).fields[:, 3]
+    def tails(self, u: Array) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Largest curvatures of the modes halfway out and at the end: of those more along the tube, and more around it.
 
-    def _extremes(self, u: Array) -> tuple[float, float]:
-        radii = self._fine @ u[:-3]
-        return float(radii.min()), float(radii.max())
+        Coefficients times ``k^2 + b^2``: what the growth rates, of higher order than the energy, feel of modes left out.
+        """
+        numbers = np.array([(mode.p, mode.harmonic) for mode in self.modes])
+        curvatures = np.abs(u[:-3]) * ((numbers[:, 0] * self.k) ** 2 + numbers[:, 1] ** 2)
+        numbers[numbers == 1] = 0  # the centre is no wave around the tube
+        share = numbers / [max(most * unit, 1) for most, unit in zip(self.size, self._units, strict=True)]
+        out, longer = np.hypot(*share.T), share[:, 0] >= share[:, 1]
+        halfway, last = (out > 0.4) & (out < 0.6), out > 0.8
+        along, around = (
+            (float(curvatures[halfway & side].max(initial=0.0)), float(curvatures[last & side].max(initial=0.0)))
+            for side in (longer, ~longer)
+        )
+        return along, around
 
-    def section(self, u: Array, x: float, points: int = 181) -> tuple[Array, Array]:
-        """The cross-section at ``x`` as a closed curve in the plane: ``y`` and ``z``."""
-        phi = np.linspace(0, 2 * math.pi, points)
-        basis = Basis.of(self.modes, self.k, self.kappa, np.full(points, x), phi)
-        moved = basis.displacement() @ u[:-3]  # turned by e^{-i(kappa x + phi)}
-        curve = (moved[:, 0] + 1j * moved[:, 1]) * np.exp(1j * (self.kappa * x + phi))
-        return curve.real, curve.imag
-
-    def tail(self, u: Array) -> tuple[float, float]:
-        """Largest coefficients among the last fifth of the wave numbers, along and around the tube."""
-        coefficients = np.abs(u[:-3])
-        tails = []
-        for place, most in enumerate(self.size):
-            wave = np.array([mode.p if place == 0 else mode.b / self.n for mode in self.modes])
-            late = coefficients[(wave > 0.8 * most) & (wave > 0)]
-            tails.append(float(late.max()) if len(late) else 0.0)
-        return tails[0], tails[1]
+    def _fitting(self, old: int, halfway: float, last: float) -> int:
+        """How many periods or folds bring the last modes below the tolerance, as fast as they fall now."""
+        if last <= self.tolerance or old == 0:
+            return old
+        fall = math.log(max(halfway / last, 1.5)) / 0.4  # from half the wave numbers to nine tenths of them
+        wanted = math.ceil(old * min(0.9 + math.log(last / self.tolerance) / fall, 2.0)) + 2
+        most = MOST_MODES_PLANE if all(self._units) else MOST_MODES
+        return max(old, min(max(wanted, old + 4), most))
 
     def remesh(self, u: Array, *others: Array) -> tuple[TubeProblem, list[Array]] | None:
         """The problem with more modes, where the last of them are not small; None where they are."""
-        tails = self.tail(u)
-        size = [s if tail <= self.tolerance else s + max(4, s // 4) for s, tail in zip(self.size, tails, strict=True)]
-        most = MOST_MODES if self.family != "buckle" else MOST_MODES // 8
-        size = [min(s, max(most, old)) for s, old in zip(size, self.size, strict=True)]
-        if tuple(size) == self.size:
+        along, around = (self._fitting(old, *tail) for old, tail in zip(self.size, self.tails(u), strict=True))
+        if (along, around) == self.size:
             return None
-        larger = replace(self, size=(size[0], size[1]))
+        larger = self.resized((along, around))
         return larger, [larger.adopt(self, vector) for vector in (u, *others)]
 
-    def adopt(self, other: TubeProblem, u: Array) -> Array:
-        """An unknown of another number of modes; those that it does not have are 0."""
-        if other.size == self.size:
-            return u
-        known = dict(zip(other.modes, u[:-3], strict=True))
-        return np.append([known.get(mode, 0.0) for mode in self.modes], u[-3:])
+    def resized(self, size: tuple[int, int]) -> TubeProblem:
+        """The same problem on another number of modes."""
+        other = replace(self, size=size, pinned=None)
+        if self.pinned is None:
+            return other
+        moved = np.array([other.packed(dict(zip(self.modes, row, strict=True))) for row in self.pinned])
+        return replace(other, pinned=moved)
 
-    @property
+    def coefficients(self, u: Array) -> Array:
+        """Those of the modes, shape (N,)."""
+        return u[:-3]
+
+    def packed(self, known: Mapping[Mode, float]) -> Array:
+        """Coefficients in the order of the modes; those that are not known are 0."""
+        return np.array([known.get(mode, 0.0) for mode in self.modes])
+
+    def known(self, u: Array) -> dict[Mode, float]:
+        """The coefficients of an unknown by mode."""
+        return dict(zip(self.modes, map(float, u[:-3]), strict=True))
+
+    def adopt(self, other: TubeProblem, u: Array) -> Array:
+        """An unknown of another number of modes, or of a larger symmetry; modes that it does not have are 0."""
+        if other.modes == self.modes:
+            return u
+        return np.append(self.packed(other.known(u)), u[-3:])
+
+    def embed(self, block: TubeBlock, centre: str, *vectors: Array) -> tuple[TubeProblem, list[Array]]:
+        """The problem in whose space the perturbations of a block live, and vectors moved into it.
+
+        Args:
+            block: a symmetry block of this problem.
+            centre: of no use here: blocks of reduced modes leave no choice.
+            vectors: a solution of this problem, then solutions or tangents.
+        """
+        if block == self.own_block:
+            return self, list(vectors)
+        symmetry = self.symmetry.broken_by(block)
+        sizes = []
+        for most, old, new in zip(self.size, self._units, (symmetry.period, symmetry.fold), strict=True):
+            sizes.append(max(most * old // new, 8) if new else 0)
+        tolerance = max(self.tolerance, PLANE_TOLERANCE) if all(sizes) else self.tolerance
+        problem = replace(self, symmetry=symmetry, size=(sizes[0], sizes[1]), pinned=None, tolerance=tolerance)
+        moved = [problem.adopt(self, vector) for vector in vectors]
+        motions = rigid_motions(self.known(vectors[0]), problem.modes, symmetry.turns)
+        rows = [motion * problem.weights[:-3] for motion in motions if not problem._is_shift(motion)]
+        if rows:
+            problem = replace(problem, pinned=np.array([row / np.linalg.norm(row) for row in rows]))
+        return problem, moved
+
+    def _is_shift(self, motion: Array) -> bool:
+        """Whether a motion is one across the axis, which the modes leave no room for: one of its parts is missing."""
+        moved = {mode for mode, value in zip(self.modes, motion, strict=True) if value != 0}
+        return all(mode.part != "sigma" and mode.p == self.symmetry.turns for mode in moved)
+
+    def grows_at_centre(self, direction: Array) -> bool:
+        """A choice between the two halves of a pitchfork: whether its largest coefficient grows."""
+        return bool(direction[:-3][np.abs(direction[:-3]).argmax()] > 0)
+
+    @cached_property
     def own_block(self) -> TubeBlock:
-        """Perturbations that keep the symmetry of the family."""
-        if self.family == "buckle":
-            return TubeBlock("x even phi even" + (" 0" if self._glides else ""))
-        return TubeBlock("j=0 even")
+        """Perturbations that keep the symmetry."""
+        return self.symmetry.block(0, 0, 0)
 
     @property
     def conserved(self) -> str:
@@ -207,145 +263,106 @@ class TubeProblem:
         """None: the multipliers of these families stay finite."""
         return {}
 
-    @property
-    def _glides(self) -> bool:
-        """Whether perturbations split by the shift by half a wave both ways, too."""
-        return self.family == "buckle" and self.m == 1 and self.n == 1
+    def equilibrium(self, u: Array) -> Equilibrium:
+        """The solution as its second variation needs it."""
+        fields = self.waves.state(self.cell, u[:-3])
+        return Equilibrium(self.cell, fields, self.kappa, self.c0, float(u[-3]), float(u[-2]))
 
-    def surface(self, u: Array, x: Array, phi: Array) -> Surface:
-        """The solution on a grid."""
-        base = Basis.of(self.modes, self.k, self.kappa, x, phi)
-        return Surface(base.state(u[:-3]), self.c0, float(u[-3]), float(u[-2]))
+    def _blocks(self, u: Array) -> dict[TubeBlock, ModeWaves]:
+        """All blocks of perturbations; their waves go a little beyond the solution's."""
+        period, fold = self._units
+        around = max(8, fold * self.size[1] + 2)
+        fastest = self._fastest(u)
+        along = max(period * (self.size[0] + 2), fastest + 2) if period else fastest + self.symmetry.turns
+        if (along, around) not in self._known_blocks:
+            waves = ellipse(1, 1, (along, around)) if period else list(product(range(along + 1), range(around + 1)))
+            self._known_blocks[along, around] = self._shared(self.symmetry.blocks(waves))
+        return self._known_blocks[along, around]
 
-    def _blocks(self, u: Array) -> list[tuple[TubeBlock, tuple[Mode, ...], bool]]:
-        """All blocks, their modes, and whether area and volume change in them at first order.
+    def _fastest(self, u: Array) -> int:
+        """A wave number along the tube, in units of ``k``, beyond which nothing grows.
 
-        Wave numbers along the tube in units of ``2 pi/L``. Around it all harmonics up to a third more than the solution's.
+        On the cylinder nothing grows beyond ``k^2 = 3 + 2 |lambda2| + 2 |1 - 2 c0|``; deformed shapes get some room.
         """
-        most = max(8, (4 * self.n * self.size[1]) // 3)
-        around = [b for b in range(most + 1) if b != 1]
-        if self.family == "buckle":
-            return self._buckle_blocks(around)
-        even = lambda j: (Mode("y", j, "exp"), *(Mode("sigma", j, "exp", b) for b in around))  # noqa: E731
-        odd = lambda j: (Mode("z", j, "exp"), *(Mode("sigma", j, "exp", b, "sin") for b in around if b))  # noqa: E731
-        blocks = []
-        # On the cylinder nothing grows beyond k^2 = 3 + 2 |lambda2| + 2 |1 - 2 c0|; deformed shapes get some room.
         largest = math.sqrt(3 + 2 * abs(u[-2]) + 2 * abs(1 - 2 * self.c0))
-        for j in range(math.ceil(1.25 * largest * self.length / (2 * math.pi)) + self.m + 1):
-            count = 1 if j == 0 else 2
-            if self.family == "coil" and j:  # a helix mixes both parities
-                blocks.append((TubeBlock(f"j={j}", count), even(j) + odd(j), False))
-            else:
-                blocks.append((TubeBlock(f"j={j} even", count), even(j), j == 0))
-                blocks.append((TubeBlock(f"j={j} odd", count), odd(j), False))
-        return blocks
+        return math.ceil(1.25 * largest / self.k)
 
-    def _buckle_blocks(self, around: list[int]) -> list[tuple[TubeBlock, tuple[Mode, ...], bool]]:
-        waves = range(self.m * (self.size[0] + 2) + 1)
-        blocks = []
-        for along in ("cos", "sin"):
-            for centre, trig in (("y", "cos"), ("z", "sin")):
-                modes = [Mode(centre, p, along) for p in waves if p or along == "cos"]  # type: ignore[arg-type]
-                modes += [
-                    Mode("sigma", p, along, b, trig)
-                    for p in waves
-                    for b in around
-                    if (p or along == "cos") and (b or trig == "cos")
-                ]
-                name = f"x {'even' if along == 'cos' else 'odd'} phi {'even' if trig == 'cos' else 'odd'}"
-                for part in (0, 1) if self._glides else (None,):
-                    of = tuple(
-                        mode for mode in modes
-                        if part is None or (mode.p + (mode.b if mode.part == "sigma" else 1)) % 2 == part
-                    )  # fmt: skip
-                    symmetric = along == trig == "cos" and part in (0, None)
-                    blocks.append((TubeBlock(name + ("" if part is None else f" {part}")), of, symmetric))
-        return blocks
-
-    def _rigid(self, u: Array, modes: tuple[Mode, ...]) -> list[Array]:
-        """Rigid motions in a block's modes: shifts of the axis, rotation about it, and the shift along it."""
-        known = {
-            (mode.part, mode.p * max(self.m, 1), mode.b): value for mode, value in zip(self.modes, u[:-3], strict=True)
-        }
-        j = modes[0].p
-        found = []
-        # In the turning frame of a coil a shift across the axis is the wave e^{-i kappa x}, which has j = m; rings have m = 0.
-        if j == self.m or self.family == "buckle":
-            shift = np.zeros(len(modes), dtype=complex)
-            for i, mode in enumerate(modes):
-                if mode.part != "sigma" and (self.family == "coil" or mode.p == 0):
-                    shift[i] = 1.0 if mode.part == "y" else 1j if self.family == "coil" else 1.0
-            found.append(shift)
-        if self.family != "buckle" and j:
-            return [vector for vector in found if np.abs(vector).max() > 0]
-        turn, along = np.zeros(len(modes)), np.zeros(len(modes))
-        for i, mode in enumerate(modes):
-            if mode.along != "sin" and mode.part == "z":  # i d
-                turn[i] = known.get(("y", mode.p, 0), 0.0)
-            if mode.along != "sin" and mode.part == "sigma" and mode.around == "sin":  # -sigma_phi
-                turn[i] = mode.b * known.get(("sigma", mode.p, mode.b), 0.0)
-            if mode.along == "sin" and mode.around == "cos" and mode.part != "z":  # d/dx
-                along[i] = -mode.p * known.get((mode.part, mode.p, mode.b), 0.0)
-        return [vector for vector in (*found, turn, along) if np.abs(vector).max() > 1e-12]
-
-    def _rates(
-        self, u: Array, block: tuple[TubeBlock, tuple[Mode, ...], bool], surface: Surface
-    ) -> tuple[Array, float]:
-        _, modes, constrained = block
-        x, phi = self._grid
-        basis = Basis.of(modes, 2 * math.pi / self.length, self.kappa, x, phi)
-        return block_rates(surface, basis, self._rigid(u, modes), self.fixed, constrained)
+    def _shared(self, blocks: Mapping[TubeBlock, list[Mode]]) -> dict[TubeBlock, ModeWaves]:
+        """Blocks as sums of waves, which those share that differ in parities alone."""
+        alike: dict[object, list[TubeBlock]] = {}
+        for block in blocks:
+            alike.setdefault(self.symmetry.wave_class(block), []).append(block)
+        found: dict[TubeBlock, ModeWaves] = {}
+        for group in alike.values():
+            families = ModeWaves.of(self.k, self.kappa, *(blocks[block] for block in group))
+            found |= dict(zip(group, families, strict=True))
+        return found
 
     @cached_property
-    def _grid(self) -> tuple[Array, Array]:
-        """Points on which perturbations are integrated."""
-        along, around = self._points()
-        buckle = self.family == "buckle"
-        return grid(along * self.m if buckle else 1, around * self.n, self.length, 2 * math.pi, halved=buckle)
+    def _known_blocks(self) -> dict[tuple[int, int], dict[TubeBlock, ModeWaves]]:
+        return {}
+
+    def _rates(self, equilibrium: Equilibrium, known: Mapping[Mode, float], modes: ModeWaves) -> tuple[Array, float]:
+        motions = rigid_motions(known, modes.modes, self.symmetry.turns)
+        return block_rates(equilibrium, modes, motions, self.fixed)
 
     def spectrum(self, u: Array) -> TubeSpectrum:
         """Growth rates of all perturbations that fit the tube."""
-        surface = self.surface(u, *self._grid)
+        equilibrium, known = self.equilibrium(u), self.known(u)
         rates, kernel = {}, 0.0
-        for block in self._blocks(u):
-            rates[block[0]], error = self._rates(u, block, surface)
+        for block, modes in self._blocks(u).items():
+            rates[block], error = self._rates(equilibrium, known, modes)
             kernel = max(kernel, error)
         return TubeSpectrum(rates, kernel)
 
     def block_rates(self, u: Array, block: TubeBlock, like: TubeSpectrum) -> Array:
         """Growth rates in one block."""
-        chosen = next(entry for entry in self._blocks(u) if entry[0] == block)
-        return self._rates(u, chosen, self.surface(u, *self._grid))[0]
+        return self._rates(self.equilibrium(u), self.known(u), self._blocks(u)[block])[0]
 
+    def section(self, u: Array, x: float, points: int = 181) -> tuple[Array, Array]:
+        """The cross-section at ``x`` as a closed curve in the plane: ``y`` and ``z``."""
+        _, y, z = self.surface(u, np.array([x]), points - 1)
+        return y[0], z[0]
 
-MOST_MODES = 256
-"""Largest wave number of rings and coils; buckles have an eighth of it each way."""
+    def surface(self, u: Array, x: Array | None = None, around: int = 96) -> tuple[Array, Array, Array]:
+        """Points of the surface, to draw or to export: ``x, y, z``, each of shape (len(x), around + 1), closed around.
 
+        Args:
+            u: a solution.
+            x: places along the axis; by default the whole length, both ends among them.
+            around: points of each section.
+        """
+        x = np.linspace(0, self.length, max(2, round(12 * self.length)) + 1) if x is None else x
+        phi = np.linspace(0, 2 * math.pi, around + 1)
+        xs, phis = np.meshgrid(x, phi, indexing="ij")
+        basis = Basis.of(self.modes, self.k, self.kappa, xs.ravel(), phis.ravel())
+        moved = basis.displacement() @ u[:-3]  # turned by e^{-i(kappa x + phi)}
+        plane = (moved[:, 0] + 1j * moved[:, 1]) * np.exp(1j * (self.kappa * xs.ravel() + phis.ravel()))
+        return xs, plane.real.reshape(xs.shape), plane.imag.reshape(xs.shape)
 
-def onset(
-    tube: Tube, family: Family, m: int, n: int, *, size: tuple[int, int] | None = None, fixed: Fixed = "area and volume"
-) -> tuple[TubeProblem, Array, Array]:
-    """The straight tube where a family branches off, and the direction in which it does.
+    def to_tree(self) -> dict[str, Any]:
+        """Everything as arrays, numbers and words, to be saved."""
+        s = self.symmetry
+        tree: dict[str, Any] = {
+            "period": s.period, "fold": s.fold, "turns": s.turns, "group": np.array(sorted(s.group), dtype=np.int64),
+            "size": np.array(self.size, dtype=np.int64), "c0": self.c0, "length": self.length,
+            "tolerance": self.tolerance, "fixed": self.fixed,
+        }  # fmt: skip
+        return tree if self.pinned is None else tree | {"pinned": self.pinned}
 
-    Args:
-        tube: the straight tube.
-        family: of the branch.
-        m, n: waves along and around the tube.
-        size: largest wave numbers at first; more are taken where needed.
-        fixed: what perturbations keep, for stability.
+    @classmethod
+    def from_tree(cls, tree: Mapping[str, Any]) -> TubeProblem:
+        """The inverse of ``to_tree``.
 
-    Raises:
-        InputError: the family does not branch off at that mode, or is not built for it.
-    """
-    equation = amplitude_equation(tube, (m, n))
-    equation.cubic(family)  # refuses a family that does not branch off there
-    if family == "coil" and n > 1:
-        raise InputError(f"mode: coils with n = {n} are not built yet; give n = 1")
-    size = size or ((8, 8) if family == "buckle" else (0, 16))
-    problem = TubeProblem(family, m, n, tube.c0, tube.length, size, fixed=fixed)
-    u, direction = np.zeros(len(problem.modes) + 3), np.zeros(len(problem.modes) + 3)
-    u[problem.modes.index(Mode("sigma", 0))] = 1.0
-    u[-3:] = equation.lambda1, equation.lambda2, 1.0
-    wave = 1 if family == "buckle" else 0
-    direction[problem.modes.index(Mode("y", wave) if n == 1 else Mode("sigma", wave, "cos", n))] = 1.0
-    return problem, u, direction
+        Raises:
+            ValueError: the tree describes no tube.
+        """
+        if tree["fixed"] not in get_args(Fixed):
+            raise ValueError(f"fixed: {tree['fixed']!r} is none of {get_args(Fixed)}")
+        group = frozenset(int(element) for element in tree["group"])
+        symmetry = TubeSymmetry(int(tree["period"]), int(tree["fold"]), int(tree["turns"]), group)
+        size = int(tree["size"][0]), int(tree["size"][1])
+        return cls(
+            symmetry, float(tree["c0"]), float(tree["length"]), size, tree.get("pinned"), float(tree["tolerance"]),
+            tree["fixed"],
+        )  # fmt: skip

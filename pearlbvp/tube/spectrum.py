@@ -9,32 +9,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.tube.density import gradients, hessians
-from pearlbvp.tube.modes import Basis
+from pearlbvp.tube.symmetry import TubeBlock
+from pearlbvp.tube.waves import (
+    IMAGINARY_JETS,
+    Cell,
+    Complex,
+    Forms,
+    MatrixTransform,
+    ModeWaves,
+    Waves,
+    fields_of_jets,
+    matrix_transform,
+)
 
 Fixed = Literal["area and volume", "area"]
 
-
-class TubeBlock(NamedTuple):
-    """A symmetry block of perturbations.
-
-    Attributes:
-        name: what it is called in tables.
-        multiplicity: how often each of its growth rates occurs.
-    """
-
-    name: str
-    multiplicity: int = 1
-
-    def __str__(self) -> str:
-        return self.name
+RESOLVED = 1e-7
+"""Error of a rigid motion, which should have growth rate 0, up to which a solution is called resolved."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ class TubeSpectrum:
 
     Attributes:
         rates: of each block the largest, largest first, rigid motions left out.
-        kernel: largest growth rate of a rigid motion: 0 on an exact solution, and the error of all rates.
+        kernel: largest error of a rigid motion as a kernel: 0 on an exact solution, and the error of all rates.
         complete: whether all unstable perturbations were counted.
     """
 
@@ -52,14 +51,24 @@ class TubeSpectrum:
     complete: bool = True
 
     @property
+    def resolved(self) -> bool:
+        """Whether the modes resolve the solution."""
+        return self.kernel <= RESOLVED
+
+    @property
     def residual(self) -> float:
         """Error of the rates, as ``Spectrum`` of pearls has it."""
         return self.kernel
 
     @property
+    def neutral(self) -> float:
+        """Growth rates of this size are zero to the accuracy of the spectrum."""
+        return 1e-9 + 10 * self.kernel
+
+    @property
     def n_unstable(self) -> int:
-        """Dimension of the unstable space."""
-        return sum(block.multiplicity * int((rates > 0).sum()) for block, rates in self.rates.items())
+        """Dimension of the unstable space; at a branch point its neutral perturbation is not counted."""
+        return sum(block.multiplicity * int((rates > self.neutral).sum()) for block, rates in self.rates.items())
 
     @property
     def critical(self) -> TubeBlock:
@@ -71,101 +80,154 @@ class TubeSpectrum:
         """The largest growth rate."""
         return float(self.rates[self.critical][0])
 
+    def to_tree(self) -> dict[str, Any]:
+        """Everything as arrays, numbers and words, to be saved."""
+        return {
+            "names": ";".join(block.name for block in self.rates),
+            "blocks": np.array([block[1:] for block in self.rates], dtype=np.int64),
+            "rates": np.concatenate(list(self.rates.values())),
+            "sizes": np.array([len(rates) for rates in self.rates.values()], dtype=np.int64),
+            "kernel": self.kernel,
+            "complete": self.complete,
+        }
+
+    @classmethod
+    def from_tree(cls, tree: Mapping[str, Any]) -> TubeSpectrum:
+        """The inverse of ``to_tree``."""
+        names = str(tree["names"]).split(";")
+        blocks = [TubeBlock(name, *map(int, row)) for name, row in zip(names, tree["blocks"], strict=True)]
+        pieces = np.split(np.asarray(tree["rates"], dtype=float), np.cumsum(tree["sizes"])[:-1])
+        rates = dict(zip(blocks, pieces, strict=True))
+        return cls(rates, float(tree["kernel"]), bool(tree["complete"]))
+
 
 KEPT = 8
 """Growth rates that are kept of each block."""
 
 
 @dataclass(frozen=True)
-class Surface:
-    """An equilibrium on a grid, as its second variation needs it.
+class Equilibrium:
+    """An equilibrium on the grid of its cell, as its second variation needs it.
 
     Attributes:
+        cell: the grid.
         fields: the ten fields, shape (10, K).
+        kappa: rate at which the frame turns.
         c0, lambda1, lambda2: of the equilibrium.
     """
 
+    cell: Cell
     fields: Array
+    kappa: float
     c0: float
     lambda1: float
     lambda2: float
 
-    def second_variation(self, basis: Basis) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Matrices of the second variation and of the normal displacement's mean square, shape (N, N)."""
+    @cached_property
+    def _bending(self) -> MatrixTransform:
+        """Second derivatives of the Lagrangian's density in the jets (``tube.waves``)."""
         hessian = hessians(self.fields, self.c0, self.lambda1)
         hessian[:, 3, 3] += self.lambda2  # volume is the mean of sigma^2/2, and sigma is the field b_1
-        second = _quadratic(basis.fields, hessian @ basis.fields)
-        normal = self.normal(basis)
-        g = self.fields[2] ** 2 + self.fields[3] ** 2 + (self._c()) ** 2
-        mass = np.conj(normal.T) @ (normal / np.sqrt(g)[:, None]) / len(g)
-        return second, mass
+        jets = fields_of_jets(self.kappa)
+        return matrix_transform(self.cell, jets.T @ hessian @ jets, IMAGINARY_JETS)
 
-    def _c(self) -> Array:
+    @cached_property
+    def _moving(self) -> MatrixTransform:
+        """What makes of displacements in the plane the square of the normal one, by area."""
         a0, a1, b0, b1 = self.fields[:4]
-        return np.asarray(a0 * b1 - a1 * b0)
+        normal = np.stack((-b1, b0), axis=1)
+        root = np.sqrt(b0**2 + b1**2 + (a0 * b1 - a1 * b0) ** 2)
+        return matrix_transform(self.cell, normal[:, :, None] * normal[:, None, :] / root[:, None, None], (1,))
 
-    def normal(self, basis: Basis) -> NDArray[Any]:
-        """Normal displacement of each mode times ``sqrt(g)``, shape (K, N)."""
-        moved, (b0, b1) = basis.displacement(), self.fields[2:4]
-        return np.asarray(-moved[:, 0] * b1[:, None] + moved[:, 1] * b0[:, None])
+    @cached_property
+    def _forms(self) -> dict[Waves, tuple[Forms, Forms]]:
+        return {}
 
-    def constraints(self, basis: Basis) -> NDArray[Any]:
-        """Gradients of area and volume in the modes, shape (2, N)."""
+    def hessian(self, modes: ModeWaves) -> Array:
+        """Matrix of the second variation, shape (N, N)."""
+        return modes.quadratic(modes.waves.bending_forms(self.cell, self._bending))
+
+    def second_variation(self, modes: ModeWaves) -> tuple[Array, Array]:
+        """Matrices of the second variation and of the normal displacement's mean square, shape (N, N).
+
+        Blocks that share their waves share nearly all of the work.
+        """
+        waves, cell = modes.waves, self.cell
+        if waves not in self._forms:
+            self._forms[waves] = waves.bending_forms(cell, self._bending), waves.moving_forms(cell, self._moving)
+        bending, moving = self._forms[waves]
+        return modes.quadratic(bending), modes.quadratic(moving)
+
+    @cached_property
+    def _slopes(self) -> tuple[Complex, Complex]:
         _, slopes = gradients(self.fields, self.c0)
-        area = np.einsum("jk,kjn->n", slopes[1], basis.fields)
-        volume = self.fields[3] @ basis.fields[:, 3]
-        return np.array([area, volume]) / self.fields.shape[1]
+        volume = np.zeros_like(self.fields)
+        volume[3] = self.fields[3]
+        return self.cell.transform(slopes[1]), self.cell.transform(volume)
 
-
-def _quadratic(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
-    """Mean over the points of ``left^H right``, both of shape (K, 10, N): shape (N, N)."""
-    count, fields, size = left.shape
-    product = np.conj(left.reshape(count * fields, size).T) @ right.reshape(count * fields, size)
-    return np.asarray(product / count)
+    def constraints(self, modes: ModeWaves) -> tuple[Array, Array]:
+        """Gradients of area and volume in the modes, each of shape (N,)."""
+        area, volume = self._slopes
+        return modes.linear(self.cell, area), modes.linear(self.cell, volume)
 
 
 def block_rates(
-    surface: Surface, basis: Basis, kernels: Sequence[NDArray[Any]], fixed: Fixed, constrained: bool
+    equilibrium: Equilibrium, modes: ModeWaves, kernels: Sequence[Array], fixed: Fixed
 ) -> tuple[Array, float]:
-    """Growth rates of a block, largest first, without its rigid motions, and the largest of those of the rigid motions.
+    """Growth rates of a block, largest first, without its rigid motions, and the largest error of the rigid motions.
 
     Args:
-        surface: the equilibrium.
-        basis: the block's modes on the surface's grid.
+        equilibrium: what is perturbed.
+        modes: of the block.
         kernels: rigid motions in these modes.
         fixed: what perturbations keep.
-        constrained: whether perturbations of the block change area and volume at first order.
     """
-    second, mass = surface.second_variation(basis)
-    second, mass = (matrix.real if np.abs(matrix.imag).max() < 1e-13 else matrix for matrix in (second, mass))
-    rows = []
-    if constrained:
-        area, volume = surface.constraints(basis)
-        rows += [area, volume] if fixed == "area and volume" else [area]
+    second, mass = equilibrium.second_variation(modes)
+    area, volume = equilibrium.constraints(modes)
+    # In other blocks than the solution's own both gradients vanish.
+    rows = [row for row in ((area, volume) if fixed == "area and volume" else (area,)) if np.abs(row).max() > 1e-9]
     moving = []
     for kernel in kernels:
-        weight = (np.conj(kernel) @ mass @ kernel).real
-        if weight > 1e-12 * (np.conj(kernel) @ kernel).real:  # else it moves the surface along itself
+        weight = kernel @ mass @ kernel
+        if weight > 1e-12 * kernel @ kernel:  # else it moves the surface along itself
             moving.append(kernel / np.sqrt(weight))
-            rows.append(np.conj(mass @ kernel))
-    allowed = _orthogonal(np.array(rows), len(second))
-    projected = [np.conj(allowed.T) @ matrix @ allowed for matrix in (second, mass)]
-    rates = -eigh(projected[0], projected[1], eigvals_only=True, subset_by_index=[0, min(KEPT, len(projected[0])) - 1])
+            rows.append(mass @ kernel)
+    restricted_second, restricted_mass = _restricted(rows, second, mass)
+    size = len(restricted_second)
+    if size == 0:
+        return np.zeros(0), 0.0
+    rates = -eigh(restricted_second, restricted_mass, eigvals_only=True, subset_by_index=[0, min(KEPT, size) - 1])
     return rates, max((_residual(second, mass, kernel, float(rates[0])) for kernel in moving), default=0.0)
 
 
-def _residual(second: NDArray[Any], mass: NDArray[Any], kernel: NDArray[Any], largest: float) -> float:
+def _residual(second: Array, mass: Array, kernel: Array, largest: float) -> float:
     """Size of ``(second + shift mass)^{-1} second kernel``: the error of a unit kernel vector, in units of growth rates."""
     shift = 1 + max(0.0, largest)
     error = np.linalg.solve(second + shift * mass, second @ kernel)
-    return float(np.sqrt(abs(np.conj(error) @ mass @ error)))
+    return float(np.sqrt(abs(error @ mass @ error)))
 
 
-def _orthogonal(rows: NDArray[Any], size: int) -> NDArray[Any]:
-    """A basis of the vectors that all rows annihilate, shape (size, size - rank)."""
-    if not len(rows):
-        return np.eye(size)
-    rows = rows / np.linalg.norm(rows, axis=1)[:, None]
-    _, singular, vectors = np.linalg.svd(rows)
+def _restricted(rows: Sequence[Array], *matrices: Array) -> list[Array]:
+    """Symmetric matrices on the vectors that all rows annihilate.
+
+    Householder reflections turn the rows into the first unit vectors (G. H. Golub, C. F. Van Loan, Matrix Computations
+    (Johns Hopkins 2013), §5.1): that costs a few products with vectors, not with matrices.
+    """
+    if not rows:
+        return list(matrices)
+    unit = np.array([row / np.linalg.norm(row) for row in rows])
+    vectors, singular, _ = np.linalg.svd(unit.T, full_matrices=False)
     rank = int((singular > 1e-9).sum())
-    return np.conj(vectors[rank:].T)
+    vectors = vectors[:, :rank]
+    found = [matrix.copy() for matrix in matrices]
+    for i in range(rank):
+        reflector = vectors[:, i].copy()
+        reflector[:i] = 0.0
+        reflector[i] += np.copysign(np.linalg.norm(reflector), reflector[i])
+        reflector /= np.linalg.norm(reflector)
+        vectors -= 2 * np.outer(reflector, reflector @ vectors)
+        for matrix in found:
+            product = matrix @ reflector
+            product -= (reflector @ product) * reflector
+            matrix -= 2 * (np.outer(reflector, product) + np.outer(product, reflector))
+    return [matrix[rank:, rank:] for matrix in found]

@@ -1,0 +1,93 @@
+"""Branches of every family on disk, and on from there."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pearlbvp.continuation.branch import Branch, BranchOptions, continue_branch
+from pearlbvp.continuation.storage import read_branch, write_branch
+from pearlbvp.errors import InputError
+from pearlbvp.files import writable, write_whole
+from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.shapes.ring import RingProblem
+from pearlbvp.stability.planar import PlanarSpectrum
+from pearlbvp.stability.spectrum import Spectrum
+from pearlbvp.studies import branch as pearls
+from pearlbvp.studies import ring as rings
+from pearlbvp.studies import tube as tubes
+from pearlbvp.tube.problem import TubeProblem
+from pearlbvp.tube.spectrum import TubeSpectrum
+
+KINDS = {
+    "pearl": (PearlProblem.from_tree, Spectrum.from_tree),
+    "ring": (RingProblem.from_tree, PlanarSpectrum.from_tree),
+    "tube": (TubeProblem.from_tree, TubeSpectrum.from_tree),
+}
+"""How problems and spectra of a branch are read, by the kind that its file names."""
+
+
+def save(branch: Branch[Any], path: str | os.PathLike[str]) -> None:
+    """Save a branch as HDF5, whole or not at all.
+
+    Raises:
+        InputError: the place cannot be written to.
+    """
+    write_whole("save", writable("save", path), lambda temporary: write_branch(branch, temporary))
+
+
+def load(path: str | os.PathLike[str]) -> Branch[Any]:
+    """Load a branch that ``save`` saved. Nothing in the file is executed.
+
+    Raises:
+        InputError: the file is no saved branch, or is not whole.
+    """
+    if not Path(path).is_file():
+        raise InputError(f"resume: there is no file {path}; give one that --save wrote")
+    return read_branch(Path(path), KINDS)
+
+
+def kind_of(branch: Branch[Any]) -> str:
+    """``pearl``, ``ring`` or ``tube`` (coils, buckles, and what branches off from those and from rings)."""
+    return str(branch.points[-1].point.problem.kind)
+
+
+def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
+    """A branch continued from its last point; that and what follows as one branch.
+
+    Raises:
+        InputError: nothing can follow.
+    """
+    kind = kind_of(branch)
+    if kind == "ring":
+        return rings.ring_resumed(branch, options)
+    if kind == "tube":
+        options = tubes.tube_options(options)
+    whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
+    at_bifurcation = len(branch.points) == 1
+    return branch.extended(continue_branch(branch.points[-1].point, whole, at_bifurcation=at_bifurcation))
+
+
+def switched(
+    branch: Branch[Any], number: int, options: BranchOptions, *, centre: Any = "pearl", grow: bool = True
+) -> Branch[Any]:
+    """The branch that crosses ``branch`` at its branch point ``number`` (the first is 1).
+
+    Args:
+        branch: a branch of any family.
+        number: which of its branch points.
+        options: where to stop and how to step.
+        centre: of pearls: whether the new shapes are centred on a pearl or on a neck.
+        grow: which half of a pitchfork is followed.
+
+    Raises:
+        InputError: there is no such branch point, or its new shapes cannot be followed.
+    """
+    kind = kind_of(branch)
+    if kind == "pearl":
+        return pearls.switched(branch, number, options, centre=centre, grow=grow)
+    if kind == "ring":
+        return rings.ring_switched(branch, number, options, grow=grow)
+    return tubes.tube_switched(branch, number, options, grow=grow)

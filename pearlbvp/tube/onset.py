@@ -1,0 +1,54 @@
+"""The straight tube where a family of tubes branches off, and the direction in which it does."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from pearlbvp.collocation.scheme import Array
+from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube
+from pearlbvp.theory.amplitude import amplitude_equation
+from pearlbvp.tube.modes import Mode
+from pearlbvp.tube.problem import PLANE_TOLERANCE, TubeProblem
+from pearlbvp.tube.spectrum import Fixed
+from pearlbvp.tube.symmetry import buckle_symmetry, coil_symmetry, pearl_symmetry, ring_symmetry
+
+Family = Literal["pearl", "ring", "coil", "buckle"]
+
+
+def onset(
+    tube: Tube, family: Family, m: int, n: int, *, size: tuple[int, int] | None = None, fixed: Fixed = "area and volume"
+) -> tuple[TubeProblem, Array, Array]:
+    """The straight tube where a family branches off, and the direction in which it does.
+
+    Args:
+        tube: the straight tube.
+        family: of the branch.
+        m, n: waves along and around the tube.
+        size: largest wave numbers at first, in periods and folds; more are taken where needed.
+        fixed: what perturbations keep, for stability.
+
+    Raises:
+        InputError: the family does not branch off at that mode, or is not built for it.
+    """
+    equation = amplitude_equation(tube, (m, n))
+    equation.cubic(family)  # refuses a family that does not branch off there
+    if family == "coil" and n > 1:
+        raise InputError(f"mode: coils with n = {n} are not built; give n = 1, or a buckle of that mode")
+    symmetry = {
+        "pearl": lambda: pearl_symmetry(m),
+        "ring": lambda: ring_symmetry(n),
+        "coil": lambda: coil_symmetry(m),
+        "buckle": lambda: buckle_symmetry(m, n),
+    }[family]()
+    sizes = {"pearl": (16, 0), "ring": (0, 16), "coil": (0, 16), "buckle": (10, 10)}
+    tolerance = PLANE_TOLERANCE if family == "buckle" else TubeProblem.tolerance
+    problem = TubeProblem(symmetry, tube.c0, tube.length, size or sizes[family], tolerance=tolerance, fixed=fixed)
+    u, direction = np.zeros(len(problem.modes) + 3), np.zeros(len(problem.modes) + 3)
+    u[problem.modes.index(Mode("sigma", 0))] = 1.0
+    u[-3:] = equation.lambda1, equation.lambda2, 1.0
+    along = 0 if family == "coil" else m
+    direction[problem.modes.index(Mode("y", along) if n == 1 else Mode("sigma", along, "cos", n))] = 1.0
+    return problem, u, direction
