@@ -11,6 +11,7 @@ ROOMS = [
     "commands",
     "figures",
     "studies",
+    "flow",
     "shapes",
     "tube",
     "stability",

@@ -1,0 +1,282 @@
+"""The flow's differential-algebraic system, stepped by SUNDIALS IDA (scikit-sundae), for every discretization.
+
+``M(q) q_t + grad E + lambda grad c = 0``, ``c(q) - c(q(0)) = epsilon lambda``. With ``epsilon = 0`` the system has index 2.
+A tiny ``epsilon`` makes it the gradient flow of ``E + |c - c(q(0))|^2/(2 epsilon)``: the energy still falls, and where the
+constraints' gradients become parallel (surfaces of constant mean curvature, the straight tube), the multiplier of what they
+no longer tell apart stays bounded, where that of the index-2 system is undetermined. (J. W. Barrett, H. Garcke, R. Nürnberg,
+SIAM J. Sci. Comput. 31 (2008) 225, eq. (2.8) drop one constraint there.)
+
+IDA's error test is made for index 1: the multipliers get an absolute tolerance at which it ignores them (L. Petzold, SIAM J.
+Sci. Stat. Comput. 3 (1982) 367). Its Newton iteration stops when the shape is good to a fraction of ``atol``, which leaves the
+constraints at the square of the last correction, some 1e-8: every accepted shape is moved by that much back onto them. The
+solver never raises: its status is looked at after every single step.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from sksundae.ida import IDA
+
+from pearlbvp.errors import InputError
+from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState, Record, Status
+from pearlbvp.flow.steady import polished
+
+
+@dataclass(frozen=True)
+class FlowOptions:
+    """When a flow ends and how it is stepped.
+
+    Attributes:
+        until: time at which it ends.
+        velocity: largest normal velocity at which a stable shape is steady.
+        rtol, atol, max_order: of IDA's error test, and the highest order of its formulas; order 5 lets the energy rise.
+        max_steps, max_seconds: it gives up after these.
+        resolution: finest details, as the discretization estimates them, beyond which it is refined.
+        compliance: ``epsilon`` above; the constraints are kept to this times the multipliers.
+        checkpoint: called with the state so far, now and then, to show or to save it.
+        every: seconds between its calls.
+    """
+
+    until: float = math.inf
+    velocity: float = 1e-6
+    rtol: float = 1e-6
+    atol: float = 1e-8
+    max_order: int = 3
+    max_steps: int = 20000
+    max_seconds: float = 600.0
+    resolution: float = 1e-9
+    compliance: float = 1e-14
+    checkpoint: Callable[[FlowState], None] = lambda state: None
+    every: float = 10.0
+
+    def __post_init__(self) -> None:
+        for name in ("until", "velocity", "rtol", "atol", "max_steps", "max_seconds", "resolution", "every"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{name}: {getattr(self, name)!r} must be positive")
+        if not 1 <= self.max_order <= 5:
+            raise InputError(f"max_order: {self.max_order} is not between 1 and 5")
+
+
+IGNORED = 1e8
+"""Absolute tolerance of the multipliers."""
+
+PARALLEL = 1e-14
+"""Ratio of the singular values of the constraints' Gram matrix below which their gradients are parallel to rounding."""
+
+RESTARTS = 4
+"""Failures of IDA in a row, each followed by a fresh start at low order, after which a flow is stalled."""
+
+
+def first_rates(problem: FlowProblem, q: Array) -> tuple[Array, Array, bool]:
+    """Rate and multipliers of the flow at a shape, from the ``k x k`` system ``c_q q_t = 0``.
+
+    Returns:
+        Rate, multipliers, and whether the constraints are parallel: then the multipliers are the smallest of those that do
+        best (least squares).
+    """
+    still, rows = np.zeros_like(q), problem.constraint_rows(q)
+    columns = problem.columns(q)
+    zero = np.zeros(columns.shape[1])
+    force = problem.residual(q, still, zero)
+    gram = rows @ problem.resistance(q, columns)
+    singular = np.linalg.svd(gram, compute_uv=False)
+    parallel = bool(singular[-1] <= PARALLEL * max(singular[0], 1e-300)) or bool(singular[0] < 1e-12)
+    multipliers = np.asarray(np.linalg.lstsq(gram, -rows @ problem.resistance(q, force), rcond=PARALLEL)[0])
+    return -problem.resistance(q, force + columns @ multipliers), multipliers, parallel
+
+
+def start(problem: FlowProblem, q: Array) -> FlowState:
+    """The state of a flow at time 0, its constraints those of the shape.
+
+    Raises:
+        InputError: the shape is no surface, or is the straight tube, which rests and where the constraints are parallel.
+    """
+    q = np.asarray(q, dtype=float)
+    if not np.isfinite(q).all() or not np.isfinite(problem.constraints(q)).all():
+        raise InputError(
+            "shape: it is not finite, or has a radius of 0 or below; start from another, or perturb it less"
+        )
+    trouble = problem.trouble(q)
+    if trouble is not None:
+        raise InputError(f"shape: {trouble.place}; start from a smoother shape")
+    rate, multipliers, parallel = first_rates(problem, q)
+    if parallel and np.abs(problem.velocity(q, rate)).max() < 1e-9:
+        raise InputError(
+            "shape: it is the straight tube, where area and volume have parallel gradients and nothing moves; perturb it"
+        )
+    found = problem.observables(q, multipliers)
+    record = Record((found["area"], found["volume"]))
+    record.add(0.0, problem, q, multipliers, float(np.abs(problem.velocity(q, rate)).max()))
+    return FlowState(problem, 0.0, q, rate, multipliers, problem.constraints(q), record)
+
+
+def _solver(state: FlowState, options: FlowOptions) -> IDA:
+    """IDA, ready to step from a state."""
+    problem, size, k = state.problem, len(state.q), len(state.kept)
+
+    def residual(t: float, y: Array, yp: Array, result: Array) -> None:
+        q, multipliers = y[:size], y[size:]
+        with np.errstate(all="ignore"):  # what is no surface is not finite, and IDA takes a shorter step
+            result[:size] = problem.residual(q, yp[:size], multipliers)
+            result[size:] = problem.constraints(q) - state.kept - options.compliance * multipliers
+
+    def jacobian(t: float, y: Array, yp: Array, r: Array, factor: float, result: Array) -> None:
+        q = y[:size]
+        with np.errstate(all="ignore"):
+            result[:size, :size] = problem.jacobian(q, yp[:size], y[size:], factor)
+            result[:size, size:] = problem.columns(q)
+            result[size:, :size] = problem.constraint_rows(q)
+            result[size:, size:] = -options.compliance * np.eye(k)
+
+    solver = IDA(
+        residual, jacfn=jacobian, algebraic_idx=list(range(size, size + k)), rtol=options.rtol,
+        atol=np.append(np.full(size, options.atol), np.full(k, IGNORED)), max_order=options.max_order,
+        linsolver="lapackdense" if size > 60 else "dense",
+    )  # fmt: skip
+    solver.init_step(state.t, np.append(state.q, state.multipliers), np.append(state.rate, np.zeros(k)))
+    return solver
+
+
+def constrained(problem: FlowProblem, q: Array, kept: Array) -> Array:
+    """The shape moved along the constraints' gradients until they have given values, by Newton's method.
+
+    Where the gradients are parallel, what cannot be reached by them stays as it is (least squares).
+    """
+    for _ in range(8):
+        lack = problem.constraints(q) - kept
+        if np.abs(lack).max() < 1e-14:
+            break
+        ways = problem.resistance(q, problem.columns(q))
+        q = q - ways @ np.linalg.lstsq(problem.constraint_rows(q) @ ways, lack, rcond=PARALLEL)[0]
+    return q
+
+
+def flow(problem: FlowProblem, q: Array, options: FlowOptions | None = None) -> FlowResult:
+    """Let a shape flow until it rests, or until a time, or until it can no longer be described.
+
+    Args:
+        problem: the semi-discrete flow.
+        q: coordinates of the shape.
+        options: when to end and how to step.
+
+    Returns:
+        The result: everything up to its end, whatever happened.
+
+    Raises:
+        InputError: the start cannot be used.
+    """
+    return resumed(start(problem, q), options)
+
+
+def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
+    """The flow from a state on; see ``flow``."""
+    options = options or FlowOptions()
+    begun = saved = time.monotonic()
+    rest = _Rest(options.velocity)
+    solver, failures, steps = _solver(state, options), 0, 0
+    size = len(state.q)
+
+    def ended(status: Status, reason: str, advice: str = "", equilibrium: Equilibrium | None = None) -> FlowResult:
+        return FlowResult(state, status, f"at t = {state.t:.6g} {reason}", advice, equilibrium)
+
+    try:
+        while True:
+            tstop = options.until if math.isfinite(options.until) else None
+            found = solver.step(tstop or 2 * state.t + 1e12, method="onestep", tstop=tstop)
+            y, yp = np.array(found.y).ravel(), np.array(found.yp).ravel()
+            steps += 1
+            if not found.success or not np.isfinite(y).all() or not np.isfinite(yp).all():
+                failures += 1
+                if failures > RESTARTS:
+                    trouble = state.problem.trouble(state.q)
+                    near = f"; {trouble.place}" if trouble else ""
+                    return ended(
+                        "stalled", f"the solver gave up ({found.message}){near}", "loosen rtol, or take more points"
+                    )
+                rate, multipliers, _ = first_rates(state.problem, state.q)
+                state = replace(state, rate=rate, multipliers=multipliers)
+                solver = _solver(state, options)
+                continue
+            failures = 0 if float(found.t) > state.t else failures + 1
+            problem = state.problem
+            q = constrained(problem, y[:size], state.kept)
+            state = replace(state, t=float(found.t), q=q, rate=yp[:size], multipliers=y[size:])
+            velocity = float(np.abs(problem.velocity(state.q, state.rate)).max())
+            state.record.add(state.t, problem, state.q, state.multipliers, velocity)
+            trouble = problem.trouble(state.q)
+            if trouble is not None:
+                return ended(trouble.kind, f"{trouble.place}", trouble.advice)
+            if rest.due(velocity):
+                equilibrium = polished(problem, state.q, state.multipliers, state.kept)
+                if equilibrium.stable:
+                    return ended("steady", f"it rests on a stable shape, {_rate(equilibrium)}", "", equilibrium)
+                if rest.for_good(velocity):
+                    return ended(
+                        "saddle", f"it rests on an unstable shape, {_rate(equilibrium)}",
+                        "perturb that shape by its most unstable vector", equilibrium,
+                    )  # fmt: skip
+            if options.until <= state.t:
+                return ended("time", "the time asked for is reached")
+            if steps % 10 == 0 and problem.resolution(state.q) > options.resolution:
+                finer = problem.refined(state.q)
+                if finer is None:
+                    return ended("unresolved", "no more points are to be had", "stop before, or accept less resolution")
+                state = _moved(state, *finer)
+                size, solver = len(state.q), _solver(state, options)
+            if steps >= options.max_steps:
+                return ended("steps", f"max_steps = {steps} are done", "resume it, or give it more steps")
+            now = time.monotonic()
+            if now - begun > options.max_seconds:
+                return ended(
+                    "seconds", f"max_seconds = {options.max_seconds:g} are over", "resume it, or give it more time"
+                )
+            if now - saved > options.every:
+                saved = now
+                options.checkpoint(state)
+    except KeyboardInterrupt:
+        return ended("seconds", "it was interrupted", "resume it")
+
+
+def _rate(equilibrium: Equilibrium) -> str:
+    return f"whose largest growth rate is {equilibrium.growth_rates[0]:.3g}"
+
+
+def _moved(state: FlowState, problem: Any, q: Array) -> FlowState:
+    """A state on a finer discretization; the constraints keep their values."""
+    q = constrained(problem, q, state.kept)
+    rate, multipliers, _ = first_rates(problem, q)
+    return replace(state, problem=problem, q=q, rate=rate, multipliers=multipliers)
+
+
+@dataclass
+class _Rest:
+    """When to look whether a slow flow rests: below a velocity, and after a saddle only once it is ten times slower.
+
+    Attributes:
+        velocity: below which it may be at rest.
+        looked: velocity at the last look, of this visit.
+    """
+
+    velocity: float
+    looked: float = math.inf
+
+    def due(self, velocity: float) -> bool:
+        """Whether it is time to look."""
+        if velocity >= self.velocity:
+            self.looked = math.inf
+            return False
+        if velocity < self.looked / 10:
+            self.looked = velocity
+            return True
+        return False
+
+    def for_good(self, velocity: float) -> bool:
+        """Whether an unstable shape will not be left in reasonable time."""
+        return velocity < 1e-4 * self.velocity

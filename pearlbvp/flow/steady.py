@@ -1,0 +1,55 @@
+"""The end of a flow: Newton's method from its last shape, and the spectrum there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.flow.record import Equilibrium
+from pearlbvp.newton import NewtonOptions, newton
+
+FARTHEST = 0.1
+"""Change of the coordinates, relative to them, beyond which Newton's method has left for another equilibrium."""
+
+
+def polished(problem: FlowProblem, q: Array, multipliers: Array, kept: Array) -> Equilibrium:
+    """The equilibrium near a shape with the same constraints, and its largest growth rates.
+
+    Rigid motions leave a family of equilibria: each gets a multiplier, which is zero at a solution, and a phase condition.
+
+    Args:
+        problem: the flow.
+        q, multipliers: its last shape.
+        kept: values of the constraints.
+    """
+    form, start = problem.equilibrium(q, multipliers)
+    size, k = len(q), len(start)
+    kept = np.append(kept, form.constraints(q)[len(kept) :])  # the volume that the H^-1 flow kept by itself
+    motions = form.kernels(q)
+    motions = motions[np.linalg.norm(motions, axis=1) > 1e-9 * np.linalg.norm(q)]
+    motions = motions / np.linalg.norm(motions, axis=1)[:, None]
+    still = np.zeros(size)
+
+    def residual(u: Array) -> Array:
+        shape, forces, drags = u[:size], u[size : size + k], u[size + k :]
+        balance = form.residual(shape, still, forces) + drags @ motions
+        return np.concatenate((balance, form.constraints(shape) - kept, motions @ (shape - q)))
+
+    def correct(u: Array, f: Array) -> Array:
+        shape = u[:size]
+        border = np.hstack((form.columns(shape), motions.T))
+        rows = np.vstack((form.constraint_rows(shape), motions))
+        corner = np.zeros((border.shape[1],) * 2)
+        matrix = np.block([[form.jacobian(shape, still, u[size : size + k], 0.0), border], [rows, corner]])
+        return np.asarray(np.linalg.solve(matrix, f))
+
+    found = newton(
+        residual, correct, np.concatenate((q, start, np.zeros(len(motions)))), NewtonOptions(tolerance=1e-15)
+    )
+    shape, forces = found.u[:size], found.u[size : size + k]
+    near = found.converged and float(np.abs(shape - q).max()) < FARTHEST * float(np.abs(q).max())
+    if not near:
+        shape, forces = q, start
+    rates = form.growth_rates(shape, forces)[0]
+    message = found.message if not found.converged else "" if near else "Newton's method left for another equilibrium"
+    return Equilibrium(form, shape, forces, near, rates, message)
