@@ -226,7 +226,7 @@ class GraphFlow:
         """``V_t = y_t / p`` at the points."""
         return rate / self._p(q)
 
-    def places(self) -> tuple[Array, None]:
+    def places(self, q: Array) -> tuple[Array, None]:
         """The points; each is a circle."""
         return self.x, None
 

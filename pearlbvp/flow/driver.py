@@ -153,7 +153,7 @@ def constrained(problem: FlowProblem, q: Array, kept: Array) -> Array:
         lack = problem.constraints(q) - kept
         if np.abs(lack).max() < 1e-14:
             break
-        ways = problem.resistance(q, problem.columns(q))
+        ways = problem.columns(q)
         q = q - ways @ np.linalg.lstsq(problem.constraint_rows(q) @ ways, lack, rcond=PARALLEL)[0]
     return q
 
@@ -181,7 +181,7 @@ def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
     begun = saved = time.monotonic()
     rest = _Rest(options.velocity)
     solver, failures, steps = _solver(state, options), 0, 0
-    size = len(state.q)
+    size, least = len(state.q), math.inf
 
     def ended(status: Status, reason: str, advice: str = "", equilibrium: Equilibrium | None = None) -> FlowResult:
         return FlowResult(state, status, f"at t = {state.t:.6g} {reason}", advice, equilibrium)
@@ -213,6 +213,20 @@ def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
             trouble = problem.trouble(state.q)
             if trouble is not None:
                 return ended(trouble.kind, f"{trouble.place}", trouble.advice)
+            rest.saw(velocity)
+            if steps % 10 == 0 or rest.reached:
+                detail = problem.resolution(state.q)
+                least = min(least, detail)
+                # Details of the start that are on their way out need no more points, those of a shape at rest do.
+                if detail > options.resolution and (detail > 3 * least or rest.reached):
+                    finer = problem.refined(state.q)
+                    if finer is None:
+                        return ended(
+                            "unresolved", "no more points are to be had", "stop before, or accept less resolution"
+                        )
+                    state, least = _moved(state, *finer), math.inf
+                    size, solver = len(state.q), _solver(state, options)
+                    continue
             if rest.due(velocity):
                 equilibrium = polished(problem, state.q, state.multipliers, state.kept)
                 if equilibrium.stable:
@@ -224,12 +238,6 @@ def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
                     )  # fmt: skip
             if options.until <= state.t:
                 return ended("time", "the time asked for is reached")
-            if steps % 10 == 0 and problem.resolution(state.q) > options.resolution:
-                finer = problem.refined(state.q)
-                if finer is None:
-                    return ended("unresolved", "no more points are to be had", "stop before, or accept less resolution")
-                state = _moved(state, *finer)
-                size, solver = len(state.q), _solver(state, options)
             if steps >= options.max_steps:
                 return ended("steps", f"max_steps = {steps} are done", "resume it, or give it more steps")
             now = time.monotonic()
@@ -262,20 +270,24 @@ class _Rest:
     Attributes:
         velocity: below which it may be at rest.
         looked: velocity at the last look, of this visit.
+        reached: whether it is slow enough to look now.
     """
 
     velocity: float
     looked: float = math.inf
+    reached: bool = False
 
-    def due(self, velocity: float) -> bool:
-        """Whether it is time to look."""
+    def saw(self, velocity: float) -> None:
+        """Take note of a step's velocity."""
         if velocity >= self.velocity:
             self.looked = math.inf
-            return False
-        if velocity < self.looked / 10:
+        self.reached = velocity < self.velocity and velocity < self.looked / 10
+
+    def due(self, velocity: float) -> bool:
+        """Whether it is time to look; this is the look."""
+        if self.reached:
             self.looked = velocity
-            return True
-        return False
+        return self.reached
 
     def for_good(self, velocity: float) -> bool:
         """Whether an unstable shape will not be left in reasonable time."""

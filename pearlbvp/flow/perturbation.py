@@ -48,7 +48,7 @@ def bump(problem: FlowProblem, q: Array, delta: float, xi: float = 1.0, centre: 
         xi: how narrow it is.
         centre: axial position of its middle.
     """
-    x, phi = problem.places()
+    x, phi = problem.places(q)
     length = problem.length
     distance = (x - centre + length / 2) % length - length / 2
     return displaced(problem, q, -delta / (1 + xi * distance**2) * (1.0 if phi is None else np.cos(phi)))

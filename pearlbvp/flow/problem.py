@@ -74,8 +74,8 @@ class FlowProblem(Protocol):
     def velocity(self, q: Array, rate: Array) -> Array:
         """Outward normal velocity at sampled points, shape (points,)."""
 
-    def places(self) -> tuple[Array, Array | None]:
-        """Axial positions of the sampled points, from ``-L/2`` to ``L/2``, and angles around the axis, None where all are."""
+    def places(self, q: Array) -> tuple[Array, Array | None]:
+        """Axial positions of the sampled points, and polar angles about the tube's axis, None where all are the same."""
 
     def resistance(self, q: Array, force: Array) -> Array:
         """The rate that a force causes: solves ``d residual/d rate . x = force``, of shape (N,) or (N, s)."""

@@ -25,9 +25,7 @@ def polished(problem: FlowProblem, q: Array, multipliers: Array, kept: Array) ->
     form, start = problem.equilibrium(q, multipliers)
     size, k = len(q), len(start)
     kept = np.append(kept, form.constraints(q)[len(kept) :])  # the volume that the H^-1 flow kept by itself
-    motions = form.kernels(q)
-    motions = motions[np.linalg.norm(motions, axis=1) > 1e-9 * np.linalg.norm(q)]
-    motions = motions / np.linalg.norm(motions, axis=1)[:, None]
+    motions = _independent(form.kernels(q), 1e-9 * float(np.linalg.norm(q)))
     still = np.zeros(size)
 
     def residual(u: Array) -> Array:
@@ -53,3 +51,13 @@ def polished(problem: FlowProblem, q: Array, multipliers: Array, kept: Array) ->
     rates = form.growth_rates(shape, forces)[0]
     message = found.message if not found.converged else "" if near else "Newton's method left for another equilibrium"
     return Equilibrium(form, shape, forces, near, rates, message)
+
+
+def _independent(motions: Array, smallest: float) -> Array:
+    """An orthonormal basis of some vectors: those that move nothing dropped, and, on a helix, a shift that is a turn."""
+    norms = np.linalg.norm(motions, axis=1)
+    units = motions[norms > smallest] / norms[norms > smallest, None]
+    if not len(units):
+        return units
+    _, singular, vectors = np.linalg.svd(units, full_matrices=False)
+    return np.asarray(vectors[singular > 1e-4])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
@@ -19,7 +17,6 @@ from pearlbvp.flow.driver import FlowOptions, constrained, flow
 from pearlbvp.flow.perturbation import along_critical, bump
 from pearlbvp.flow.problem import Law
 from pearlbvp.flow.record import Equilibrium, FlowResult
-from pearlbvp.flow.steady import polished
 from pearlbvp.helfrich import Tube, finite
 from pearlbvp.shapes.graph import pearl_of_graph
 from pearlbvp.shapes.pearl import PearlProblem
