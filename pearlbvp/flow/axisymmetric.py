@@ -29,9 +29,6 @@ from pearlbvp.errors import InputError
 from pearlbvp.flow.problem import Array, Law, Trouble
 from pearlbvp.flow.spectrum import growth_rates
 
-THINNEST, STEEPEST = 1e-2, 20.0
-"""Radius of a neck, and slope ``r'``, beyond which a graph is left: a pinch, or an overhang."""
-
 MOST_POINTS = 1024
 
 
@@ -104,6 +101,7 @@ class GraphFlow:
         points: how many, an even number.
         law: what the flow keeps.
         pressure: the given ``lambda2`` where the law keeps the area alone.
+        thinnest, steepest: radius of a neck, and slope ``r'``, beyond which a graph is left: a pinch, or an overhang.
 
     Raises:
         InputError: an argument that cannot be used.
@@ -114,6 +112,8 @@ class GraphFlow:
     points: int = 128
     law: Law = "area and volume"
     pressure: float = 0.0
+    thinnest: float = 1e-2
+    steepest: float = 20.0
 
     def __post_init__(self) -> None:
         if self.law not in get_args(Law):
@@ -295,10 +295,10 @@ class GraphFlow:
         r = self.radii(q)
         slope = np.abs(self.d1 @ q) / r
         thin, steep = int(r.argmin()), int(slope.argmax())
-        if r[thin] < THINNEST:
+        if r[thin] < self.thinnest:
             where = f"the neck at x = {self.x[thin]:.3f} is {r[thin]:.1e} radii thin"
             return Trouble("pinch", where, "the surface is about to touch its axis; stop before, or change the volume")
-        if slope[steep] > STEEPEST:
+        if slope[steep] > self.steepest:
             where = f"the profile at x = {self.x[steep]:.3f} has slope {slope[steep]:.0f}"
             return Trouble("overhang", where, "it is about to be no graph over the axis; use a triangulated tube")
         return None
@@ -328,7 +328,7 @@ class GraphFlow:
         """Everything as numbers and words."""
         return {
             "kind": "graph", "c0": self.c0, "length": self.length, "points": self.points, "law": self.law,
-            "pressure": self.pressure,
+            "pressure": self.pressure, "thinnest": self.thinnest, "steepest": self.steepest,
         }  # fmt: skip
 
     @classmethod
@@ -338,4 +338,5 @@ class GraphFlow:
         if law not in get_args(Law):
             raise ValueError(f"law: {law!r} is none of {get_args(Law)}")
         numbers = float(tree["c0"]), float(tree["length"]), int(tree["points"])
-        return cls(*numbers, law, float(tree["pressure"]))  # type: ignore[arg-type]
+        limits = float(tree["pressure"]), float(tree["thinnest"]), float(tree["steepest"])
+        return cls(*numbers, law, *limits)  # type: ignore[arg-type]

@@ -15,12 +15,15 @@ solver never raises: its status is looked at after every single step.
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+
+os.environ.setdefault("SUNLOGGER_ERROR_FILENAME", os.devnull)
 from sksundae.ida import IDA
 
 from pearlbvp.errors import InputError
@@ -69,6 +72,9 @@ IGNORED = 1e8
 
 PARALLEL = 1e-14
 """Ratio of the singular values of the constraints' Gram matrix below which their gradients are parallel to rounding."""
+
+UNRESOLVED = 1e-5
+"""Size of the finest details at which a flow ends that cannot be refined any more."""
 
 RESTARTS = 4
 """Failures of IDA in a row, each followed by a fresh start at low order, after which a flow is stalled."""
@@ -178,6 +184,7 @@ def flow(problem: FlowProblem, q: Array, options: FlowOptions | None = None) -> 
 def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
     """The flow from a state on; see ``flow``."""
     options = options or FlowOptions()
+    state = replace(state, record=state.record.copy())
     begun = saved = time.monotonic()
     rest = _Rest(options.velocity)
     solver, failures, steps = _solver(state, options), 0, 0

@@ -65,6 +65,10 @@ class Record:
         self.frames.append(Frame(t, problem, q.copy()))
         return found
 
+    def copy(self) -> Record:
+        """A record that can grow by itself."""
+        return Record(self.start, {name: list(values) for name, values in self.rows.items()}, list(self.frames))
+
     def table(self) -> pd.DataFrame:
         """A row for every accepted step, with the columns ``COLUMNS``."""
         import pandas as pd
