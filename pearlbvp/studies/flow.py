@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
@@ -17,11 +18,17 @@ from pearlbvp.flow.driver import FlowOptions, constrained, flow
 from pearlbvp.flow.perturbation import along_critical, bump
 from pearlbvp.flow.problem import Law
 from pearlbvp.flow.record import Equilibrium, FlowResult
+from pearlbvp.flow.steady import polished
+from pearlbvp.flow.tube import TubeFlow
 from pearlbvp.helfrich import Tube, finite
 from pearlbvp.shapes.graph import pearl_of_graph
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.branch import branch_options
+from pearlbvp.tube.problem import TubeProblem
+
+UNLIKE = 1e-5
+"""Relative difference of the energies of a branch's shape and of the flow's, beyond which the modes are too few."""
 
 Perturbation = Literal["none", "bump", "critical"]
 
@@ -118,6 +125,44 @@ def pearl_start(
         graph = finer[0]
     multipliers = np.array([found["lambda1"], found["lambda2"]][: len(graph.constraints(q))])
     return FlowStart(graph, q, multipliers)
+
+
+def tube_start(
+    problem: TubeProblem, u: Array, *, size: tuple[int, int] = (12, 12), law: Law = "area and volume"
+) -> FlowStart:
+    """A ring, coil or buckle of a branch among modes without symmetry, polished there.
+
+    Args:
+        problem, u: a point of a branch of tubes.
+        size: largest wave numbers along and around.
+        law: what the flow keeps.
+
+    Raises:
+        InputError: so few modes hold no such equilibrium, or an argument cannot be used.
+    """
+    found = problem.observables(u)
+    tube = TubeFlow(problem.c0, problem.length, size, law, found["lambda2"] if law == "area" else 0.0)
+    q = tube.coordinates(problem.modes, problem.coefficients(u), problem.k, problem.kappa)
+    return _settled(tube, q, found)
+
+
+def pearl_tube_start(
+    problem: PearlProblem, u: Array, *, size: tuple[int, int] = (24, 6), law: Law = "area and volume"
+) -> FlowStart:
+    """Pearls of a branch among the modes of tubes without symmetry; see ``tube_start``."""
+    found = problem.observables(u)
+    tube = TubeFlow(found["c0"], found["L"], size, law, found["lambda2"] if law == "area" else 0.0)
+    x = (np.arange(16 * size[0]) / (16 * size[0]) - 0.5) * tube.length
+    return _settled(tube, tube.of_radii(x, radii_at(problem.profile(u), x)), found)
+
+
+def _settled(tube: TubeFlow, q: Array, found: Mapping[str, float]) -> FlowStart:
+    kept = np.array([1.0, found["v"] / 2])[: 2 if tube.law == "area and volume" else 1]
+    multipliers = np.array([found["lambda1"], found["lambda2"]])[: len(kept)]
+    there = polished(tube, q, multipliers, kept)
+    if not there.converged or abs(there.observables["E"] - found["E"]) > UNLIKE * found["E"]:
+        raise InputError(f"size: {tube.size[0]} x {tube.size[1]} modes do not hold a branch's shape; take more")
+    return FlowStart(tube, there.q, there.multipliers)
 
 
 def pearls_of(end: Equilibrium, tolerance: float = 1e-10) -> tuple[PearlProblem, Array]:
