@@ -9,11 +9,11 @@ from graphs import Graphs
 
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.checkpoint import read_state, write_state
 from pearlbvp.flow.driver import FlowOptions, constrained, flow, resumed
 from pearlbvp.flow.perturbation import displaced
 from pearlbvp.studies.branch import branch_options, pearl_branch, shape_branch, switched
-from pearlbvp.studies.flow import continued, pearl_start, pearls_of
+from pearlbvp.studies.flow import continued, load, pearls_of, save
+from pearlbvp.studies.flow_start import chosen, pearl_start
 from pearlbvp.theory.dispersion import growth_rate
 
 LAWS = ("area and volume", "area", "diffusion")
@@ -118,9 +118,9 @@ def test_rates_on_a_pearl_are_those_of_its_second_variation():
 
 def test_a_bump_on_pearls_flows_to_the_pearls_of_its_area_and_volume():
     """Table ptab1, A2, without the bump's ``cos(phi)``."""
-    branch = pearl_branch(0, 10, 1, branch_options({"lambda2": -2.0}))
-    start = start_at(branch)
-    np.testing.assert_allclose(start.multipliers, [branch.points[-1].observables[n] for n in ("lambda1", "lambda2")])
+    point = chosen(pearl_branch(0, 10, 1, branch_options({"lambda2": -3.3})), "A2")
+    assert point.observables["lambda2"] == pytest.approx(-3.165, abs=1e-10)
+    start = pearl_start(point.problem, point.u)
     result = start.flow(start.perturbed("bump", -0.125))
     assert result.status == "steady"
     check(result)
@@ -301,8 +301,8 @@ def test_a_killed_run_resumes(tmp_path):
     problem = GraphFlow(0.0, 10.0, 64)
     whole = flow(problem, shape(problem))
     half = flow(problem, shape(problem), FlowOptions(max_steps=60))
-    write_state(half.state, tmp_path / "flow.h5")
-    state = read_state(tmp_path / "flow.h5", GraphFlow.from_tree)
+    save(half.state, tmp_path / "flow.h5")
+    state = load(tmp_path / "flow.h5")
     rest = resumed(state)
     assert rest.status == "steady"
     assert rest.table()["t"].is_monotonic_increasing
@@ -312,7 +312,7 @@ def test_a_killed_run_resumes(tmp_path):
     check(rest)
     (tmp_path / "none.h5").write_bytes(b"nothing")
     with pytest.raises(InputError, match="resume: .*no HDF5"):
-        read_state(tmp_path / "none.h5", GraphFlow.from_tree)
+        load(tmp_path / "none.h5")
 
 
 @pytest.mark.parametrize(
@@ -320,6 +320,9 @@ def test_a_killed_run_resumes(tmp_path):
     [
         (lambda: GraphFlow(0.0, 10.0, 63), "points"),
         (lambda: GraphFlow(0.0, 10.0, 64, "mass"), "law"),
+        (lambda: chosen(pearls(0.48, 15, 2, 1.02), "A2"), "point"),
+        (lambda: chosen(pearls(0.48, 15, 2, 1.02), "v=1.5"), "point"),
+        (lambda: chosen(pearls(0.48, 15, 2, 1.02), "999"), "point"),
         (lambda: FlowOptions(rtol=0), "rtol"),
         (lambda: FlowOptions(max_order=6), "max_order"),
         (lambda: start_at(pearls(0.48, 15, 2, 1.02)).perturbed("kick", 0.1), "perturb"),

@@ -7,11 +7,11 @@ import pytest
 
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.checkpoint import read_state, write_state
 from pearlbvp.flow.driver import FlowOptions, flow, resumed
 from pearlbvp.flow.tube import TubeFlow
 from pearlbvp.studies.branch import branch_options, pearl_branch
-from pearlbvp.studies.flow import pearl_tube_start, tube_start
+from pearlbvp.studies.flow import load, save
+from pearlbvp.studies.flow_start import pearl_tube_start, tube_start
 from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.dispersion import growth_rate
 from pearlbvp.tube.modes import Basis, Mode
@@ -97,7 +97,7 @@ def test_rates_on_the_cylinder_are_those_of_the_dispersion_relation():
 
 
 def test_rigid_motions_change_nothing():
-    problem, q, values = random_tube((14, 14), scale=0.0)
+    problem, q, _ = random_tube((14, 14), scale=0.0)
     few = [
         Mode("sigma", 1),
         Mode("sigma", 1, "sin", 2),
@@ -191,12 +191,12 @@ def test_waves_are_added_saved_and_drawn(tmp_path):
     assert finer.size[0] > 5
     for name, value in start.problem.observables(start.q, MULTIPLIERS).items():
         assert finer.observables(q, MULTIPLIERS)[name] == pytest.approx(value, abs=2e-3 if name[0] in "ar" else 1e-6)
-    y, z = start.problem.section(start.q, np.array([0.0, 2.5]))
-    # A coil's sections turn with it: a quarter of a period on, the section is turned by a quarter.
-    np.testing.assert_allclose(np.abs((y[0] + 1j * z[0])[0]), np.abs((y[1] + 1j * z[1])[24]), rtol=1e-6)
+    _, y, z = start.problem.surface(start.q, along=161, around=97)
+    # A coil's sections turn with it: a quarter of a period on, all is turned by a quarter.
+    np.testing.assert_allclose((y + 1j * z)[40, 24], 1j * (y + 1j * z)[0, 0], rtol=1e-6)
     half = start.flow(start.perturbed("bump", -0.05), FlowOptions(max_steps=8, resolution=1e-2))
-    write_state(half.state, tmp_path / "f.h5")
-    state = read_state(tmp_path / "f.h5", TubeFlow.from_tree)
+    save(half.state, tmp_path / "f.h5")
+    state = load(tmp_path / "f.h5")
     assert resumed(state, FlowOptions(until=2 * state.t, resolution=1e-2)).status == "time"
 
 

@@ -324,6 +324,12 @@ class GraphFlow:
         phase = 2 * np.pi * np.outer((x + self.length / 2) / self.length, np.arange(len(coefficients)))
         return np.asarray((np.exp(1j * phase) @ (weights * coefficients)).real)
 
+    def surface(self, q: Array, along: int = 161, around: int = 49) -> tuple[Array, Array, Array]:
+        """Points to draw: ``x, y, z``, each of shape (along, around), closed around."""
+        x, phi = np.linspace(-self.length / 2, self.length / 2, along), np.linspace(0, 2 * np.pi, around)
+        r = np.sqrt(2 * self.interpolated(q, x))
+        return np.repeat(x[:, None], around, axis=1), np.outer(r, np.cos(phi)), np.outer(r, np.sin(phi))
+
     def to_tree(self) -> dict[str, Any]:
         """Everything as numbers and words."""
         return {

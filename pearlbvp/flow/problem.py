@@ -101,5 +101,8 @@ class FlowProblem(Protocol):
     def refined(self, q: Array) -> tuple[Any, Array] | None:
         """The same surface with more coordinates, or None where there are no more to be had."""
 
+    def surface(self, q: Array, along: int = 161, around: int = 49) -> tuple[Array, Array, Array]:
+        """Points to draw: ``x, y, z``, each of shape (along, around), closed around."""
+
     def to_tree(self) -> Mapping[str, Any]:
         """Everything as arrays, numbers and words, to be saved."""

@@ -286,12 +286,12 @@ class TubeFlow:
         finer = replace(self, size=(size[0], size[1]))
         return finer, self.tensor.moved(self._matrix(q), finer.tensor).ravel()
 
-    def section(self, q: Array, x: Array, points: int = 97) -> tuple[Array, Array]:
-        """Closed curves of the sections at places ``x``: ``y`` and ``z``, each of shape (len(x), points)."""
-        phi = np.linspace(0, 2 * np.pi, points)
+    def surface(self, q: Array, along: int = 161, around: int = 49) -> tuple[Array, Array, Array]:
+        """Points to draw: ``x, y, z``, each of shape (along, around), closed around."""
+        x, phi = np.linspace(-self.length / 2, self.length / 2, along), np.linspace(0, 2 * np.pi, around)
         moved = Tensor.at(self.size, self.length, x, phi).values(self._matrix(q), DISPLACEMENT)
-        curve = (moved[0] + 1j * moved[1]).reshape(len(x), points) * np.exp(1j * phi)
-        return curve.real, curve.imag
+        curve = (moved[0] + 1j * moved[1]).reshape(along, around) * np.exp(1j * phi)
+        return np.repeat(x[:, None], around, axis=1), curve.real, curve.imag
 
     def to_tree(self) -> dict[str, Any]:
         """Everything as numbers and words."""

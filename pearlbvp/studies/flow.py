@@ -1,168 +1,53 @@
-"""Does the flow get there? Flows from a branch's shapes, perturbed, and their ends handed back to continuation."""
+"""Does the flow get there? The ends of flows as points of branches, and flows in files."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, continue_branch, start_point
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
+from pearlbvp.files import writable, write_whole
 from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.driver import FlowOptions, constrained, flow
-from pearlbvp.flow.perturbation import along_critical, bump
-from pearlbvp.flow.problem import Law
-from pearlbvp.flow.record import Equilibrium, FlowResult
-from pearlbvp.flow.steady import polished
+from pearlbvp.flow.checkpoint import read_state, write_state
+from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState
 from pearlbvp.flow.tube import TubeFlow
-from pearlbvp.helfrich import Tube, finite
+from pearlbvp.helfrich import Tube
 from pearlbvp.shapes.graph import pearl_of_graph
 from pearlbvp.shapes.pearl import PearlProblem
-from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.branch import branch_options
-from pearlbvp.tube.problem import TubeProblem
-
-UNLIKE = 1e-5
-"""Relative difference of the energies of a branch's shape and of the flow's, beyond which the modes are too few."""
-
-Perturbation = Literal["none", "bump", "critical"]
 
 
-@dataclass(frozen=True)
-class FlowStart:
-    """An equilibrium in a flow's coordinates.
-
-    Attributes:
-        problem: the semi-discrete flow.
-        q, multipliers: the shape, as exact an equilibrium of the discretization as Newton's method makes it.
-    """
-
-    problem: Any
-    q: Array
-    multipliers: Array
-
-    def perturbed(
-        self, kind: Perturbation, delta: float, *, xi: float = 1.0, centre: float = 0.0, keep: bool = False
-    ) -> Array:
-        """The shape perturbed as the paper does it.
-
-        Args:
-            kind: ``bump`` (eq. (flp1)), ``critical`` (eq. (flp2): along the most unstable vector) or ``none``.
-            delta: size, in radii; a negative bump moves the surface outwards.
-            xi, centre: of the bump.
-            keep: move the perturbed shape back to the area and volume it had before.
-
-        Raises:
-            InputError: an argument that cannot be used, or the surface closes.
-        """
-        if kind not in get_args(Perturbation):
-            raise InputError(f"perturb: {kind!r} is none of {', '.join(get_args(Perturbation))}")
-        delta = finite("delta", delta)
-        if kind == "none":
-            return self.q
-        if kind == "bump":
-            q = bump(self.problem, self.q, delta, xi, centre)
-        else:
-            q = along_critical(self.problem, self.q, self.multipliers, delta)[0]
-        return constrained(self.problem, q, self.problem.constraints(self.q)) if keep else q
-
-    def flow(self, q: Array, options: FlowOptions | None = None) -> FlowResult:
-        """The flow from a shape on."""
-        return flow(self.problem, q, options)
+def _problem(tree: Mapping[str, Any]) -> GraphFlow | TubeFlow:
+    """A discretization from what a file says of it."""
+    return TubeFlow.from_tree(tree) if str(tree["kind"]) == "tube" else GraphFlow.from_tree(tree)
 
 
-def radii_at(profile: Profile, x: Array) -> Array:
-    """Radius of a profile that is a graph over its axis, at axial positions counted from its first point.
+def save(state: FlowState, path: str | os.PathLike[str]) -> None:
+    """Save a flow's state and record as HDF5, whole or not at all.
 
     Raises:
-        InputError: the profile overhangs.
+        InputError: the place cannot be written to.
     """
-    whole = profile.mirrored()
-    if np.cos(whole.states.values[:, 1]).min() <= 0:
-        raise InputError(
-            "point: its shape overhangs, so it is no graph over its axis; choose one nearer to the cylinder"
-        )
-    along = PiecewisePolynomial(whole.states.mesh, profile.outline()[0][:, None])
-    targets = np.mod(x, profile.period)
-    sigma = np.interp(targets, profile.outline()[0], whole.states.points)
-    for _ in range(30):
-        step = (along(sigma)[:, 0] - targets) / (whole.arclength * np.cos(whole.states(sigma)[:, 1]))
-        sigma = np.clip(sigma - step, 0.0, 1.0)
-        if np.abs(step).max() < 1e-14:
-            break
-    return whole.states(sigma)[:, 0]
+    write_whole("save", writable("save", path), lambda temporary: write_state(state, temporary))
 
 
-def pearl_start(
-    problem: PearlProblem, u: Array, *, points: int = 128, law: Law = "area and volume", resolution: float = 1e-9
-) -> FlowStart:
-    """Pearls of a branch, on the whole tube, as a graph that can flow; the first point of the profile is at ``x = 0``.
-
-    Args:
-        problem, u: a point of a branch of pearls.
-        points: on the whole tube, to begin with; more are taken where the shape needs them.
-        law: what the flow keeps.
-        resolution: of the graph.
+def load(path: str | os.PathLike[str]) -> FlowState:
+    """Load what ``save`` saved. Nothing in the file is executed.
 
     Raises:
-        InputError: the shape overhangs or cannot be resolved, or an argument cannot be used.
+        InputError: the file is no saved flow, or is not whole.
     """
-    found = problem.observables(u)
-    graph = GraphFlow(found["c0"], found["L"], points, law, found["lambda2"] if law == "area" else 0.0)
-    profile = problem.profile(u)
-    while True:
-        q = graph.coordinates(radii_at(profile, graph.x))
-        if graph.resolution(q) < resolution:
-            break
-        finer = graph.refined(q)
-        if finer is None:
-            raise InputError(f"point: {graph.points} points do not resolve its shape; choose one with a thicker neck")
-        graph = finer[0]
-    multipliers = np.array([found["lambda1"], found["lambda2"]][: len(graph.constraints(q))])
-    return FlowStart(graph, q, multipliers)
-
-
-def tube_start(
-    problem: TubeProblem, u: Array, *, size: tuple[int, int] = (12, 12), law: Law = "area and volume"
-) -> FlowStart:
-    """A ring, coil or buckle of a branch among modes without symmetry, polished there.
-
-    Args:
-        problem, u: a point of a branch of tubes.
-        size: largest wave numbers along and around.
-        law: what the flow keeps.
-
-    Raises:
-        InputError: so few modes hold no such equilibrium, or an argument cannot be used.
-    """
-    found = problem.observables(u)
-    tube = TubeFlow(problem.c0, problem.length, size, law, found["lambda2"] if law == "area" else 0.0)
-    q = tube.coordinates(problem.modes, problem.coefficients(u), problem.k, problem.kappa)
-    return _settled(tube, q, found)
-
-
-def pearl_tube_start(
-    problem: PearlProblem, u: Array, *, size: tuple[int, int] = (24, 6), law: Law = "area and volume"
-) -> FlowStart:
-    """Pearls of a branch among the modes of tubes without symmetry; see ``tube_start``."""
-    found = problem.observables(u)
-    tube = TubeFlow(found["c0"], found["L"], size, law, found["lambda2"] if law == "area" else 0.0)
-    x = (np.arange(16 * size[0]) / (16 * size[0]) - 0.5) * tube.length
-    return _settled(tube, tube.of_radii(x, radii_at(problem.profile(u), x)), found)
-
-
-def _settled(tube: TubeFlow, q: Array, found: Mapping[str, float]) -> FlowStart:
-    kept = np.array([1.0, found["v"] / 2])[: 2 if tube.law == "area and volume" else 1]
-    multipliers = np.array([found["lambda1"], found["lambda2"]])[: len(kept)]
-    there = polished(tube, q, multipliers, kept)
-    if not there.converged or abs(there.observables["E"] - found["E"]) > UNLIKE * found["E"]:
-        raise InputError(f"size: {tube.size[0]} x {tube.size[1]} modes do not hold a branch's shape; take more")
-    return FlowStart(tube, there.q, there.multipliers)
+    if not Path(path).is_file():
+        raise InputError(f"resume: there is no file {path}; give one that --save wrote")
+    return read_state(Path(path), _problem)
 
 
 def pearls_of(end: Equilibrium, tolerance: float = 1e-10) -> tuple[PearlProblem, Array]:

@@ -1,0 +1,185 @@
+"""``pearlbvp flow``."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pearlbvp.commands.arguments import ModeNumbers, Number
+from pearlbvp.commands.branch import MODES
+from pearlbvp.commands.output import DONE, SOME_FAILED, check_distinct, check_outputs, outputs, write
+from pearlbvp.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@click.command(
+    epilog="Examples:  pearlbvp flow --from b.h5 --point A2 --perturb bump --delta -0.125 --out f.csv --plot f.png  |  "
+    "pearlbvp flow --from b.h5 --point v=1.02 --perturb critical --delta 0.02 --keep --movie f.gif  |  "
+    "pearlbvp flow --family buckle --c0 0 --length 10 --point C --perturb critical --delta 0.3 --plot c.png  |  "
+    "pearlbvp flow --resume f.h5 --time 100"
+)
+@click.option("--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of pearls.")
+@click.option("--family", type=click.Choice(["pearl", "ring", "coil", "buckle"]), default="pearl", show_default=True,
+              help="Without --from: the branch that is followed to --point NAME=VALUE.")  # fmt: skip
+@click.option("--c0", type=Number(), help="Without --from: spontaneous curvature.")
+@click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the tube.")
+@click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
+@click.option("--point", default="-1", show_default=True, metavar="K|NAME=VALUE|A2",
+              help="The start: a point's number, a column's value, or a name of the paper.")  # fmt: skip
+@click.option("--perturb", type=click.Choice(["bump", "critical", "none"]), default="bump", show_default=True,
+              help="A bump, or the most unstable vector.")  # fmt: skip
+@click.option("--delta", type=Number(), default=-0.125, show_default=True, help="Size of the perturbation, in radii.")
+@click.option("--xi", type=Number(), default=1.0, show_default=True, help="The bump is 1/(1 + xi x^2).")
+@click.option("--centre", type=Number(), default=0.0, show_default=True, help="Axial position of the bump.")
+@click.option("--keep", is_flag=True, help="Move the perturbed shape back to the area and volume it had.")
+@click.option("--law", type=click.Choice(["area and volume", "area", "diffusion"]), default="area and volume",
+              show_default=True, help="What is kept; area: at given pressure; diffusion: the H^-1 flow.")  # fmt: skip
+@click.option("--tube", is_flag=True, help="Let pearls flow among all tubes, not only axisymmetric ones.")
+@click.option("--points", type=click.IntRange(min=8), default=128, show_default=True, help="Of an axisymmetric shape.")
+@click.option(
+    "--size", type=ModeNumbers(), default="12,12", show_default=True, help="Waves of a tube, along and around."
+)
+@click.option("--time", "until", type=Number(), help="Stop at that time.")
+@click.option(
+    "--velocity", type=Number(), default=1e-6, show_default=True, help="A stable shape slower than this rests."
+)
+@click.option("--max-seconds", type=Number(), default=600.0, show_default=True, help="Give up after so long.")
+@click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the flow, also on the way.")
+@click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved flow.")
+@click.option("--movie", type=click.Path(path_type=Path), metavar="FILE.gif", help="Write a movie.")
+@outputs
+def flow(
+    source: Path | None,
+    resume: Path | None,
+    save: Path | None,
+    movie: Path | None,
+    out: Path | None,
+    plot: Path | None,
+    until: float | None,
+    velocity: float,
+    max_seconds: float,
+    **start: Any,
+) -> int:
+    """Let a perturbed shape of a branch flow at fixed area and volume, until it rests on a stable shape.
+
+    Columns: t, E, lambda1, lambda2, area_error, volume_error (relative), velocity (the largest along the normal),
+    v, amplitude, r_min, r_max; a row for every accepted step. How the flow ends goes to standard error.
+    """
+    from pearlbvp.files import writable, write_whole
+
+    out, plot = check_outputs(out, plot)
+    save = None if save is None else writable("--save", save)
+    movie = None if movie is None else writable("--movie", movie)
+    read = {"--from": source, "--resume": resume}
+    for outputs_and_inputs in ({**read, "--out": out, "--plot": plot, "--movie": movie},
+                               {"--from": source, "--out": out, "--plot": plot, "--movie": movie, "--save": save}):  # fmt: skip
+        check_distinct(
+            {name: None if p is None else Path(os.path.realpath(p)) for name, p in outputs_and_inputs.items()}
+        )
+    if resume is not None and source is not None:
+        raise InputError("--from, --resume: choose one of them")
+    from tqdm import tqdm
+
+    from pearlbvp.flow.driver import FlowOptions, resumed
+    from pearlbvp.flow.driver import start as beginning
+    from pearlbvp.flow.record import COLUMNS
+    from pearlbvp.studies import flow as study
+
+    with tqdm(unit="step", disable=None) as bar:
+
+        def checkpoint(state: Any) -> None:
+            bar.set_postfix(t=f"{state.t:.5g}", refresh=False)
+            bar.update(len(state.record.rows["t"]) - bar.n)
+            if save is not None:
+                study.save(state, save)
+
+        settings: dict[str, Any] = {
+            "velocity": velocity,
+            "max_seconds": max_seconds,
+            "checkpoint": checkpoint,
+            "every": 2.0,
+        }
+        if until is not None:
+            settings["until"] = until
+        if resume is not None:
+            state = study.load(resume)
+            if until is not None and until <= state.t:
+                raise InputError(f"--time: the saved flow is at t = {state.t:g} already; give a later time")
+        else:
+            problem, q, resolution = _start(source, **start)
+            state, settings["resolution"] = beginning(problem, q), resolution
+        result = resumed(state, FlowOptions(**settings))
+    if save is not None:
+        study.save(result.state, save)
+    if movie is not None:
+        from pearlbvp.figures.flow import write_movie
+
+        write_whole("--movie", movie, lambda path: write_movie(result.state, path))
+    table = result.table()[list(COLUMNS)]
+
+    def draw() -> Figure:
+        from pearlbvp.figures.flow import draw_result
+
+        return draw_result(result)
+
+    write(table, out, plot, draw)
+    advice = f"; {result.advice}" if result.advice else ""
+    print(f"pearlbvp: {result.status}: {result.reason}{advice}", file=sys.stderr)
+    return DONE if result.complete else SOME_FAILED
+
+
+TUBE_RESOLUTION = 1e-4
+"""Size of the smallest modes of a tube beyond which more are taken on the way."""
+
+
+def _start(
+    source: Path | None, *, family: str, c0: float | None, length: float | None, mode: tuple[int, int] | None, point: str,
+    perturb: Any, delta: float, xi: float, centre: float, keep: bool, law: Any, tube: bool, points: int,
+    size: tuple[int, int],
+) -> tuple[Any, Any, float]:  # fmt: skip
+    """Problem, coordinates and resolution of the start."""
+    from pearlbvp.studies import branch as branches
+    from pearlbvp.studies.flow_start import SAMPLES, chosen, pearl_start, pearl_tube_start, tube_start
+    from pearlbvp.studies.tube import tube_branch
+
+    branch: Any
+    if source is not None:
+        if c0 is not None or length is not None or family != "pearl":
+            raise InputError("--from: the saved branch has its own family, c0 and length; leave those out")
+        branch = branches.load(source)
+    else:
+        if c0 is None or length is None:
+            raise InputError("--c0, --length: give both, or a saved branch with --from")
+        name, equals, value = point.partition("=")
+        known = SAMPLES.get((family, c0, length, point))
+        if not equals and known is None:
+            raise InputError(
+                "--point: without --from, give NAME=VALUE, like v=1.02, for how far the branch is followed"
+            )
+        stop = {name: float(value)} if equals else dict([known])  # type: ignore[list-item]
+        options = branches.branch_options(stop)
+        m, n = mode or MODES[family]
+        branch = (
+            branches.pearl_branch(c0, length, m, options)
+            if family == "pearl"
+            else tube_branch(c0, length, family, (m, n), options)  # type: ignore[arg-type]
+        )
+        if not branch.complete:
+            raise InputError(f"--point: {point} is not reached: the branch ends, as {branch.reason}")
+        point = "-1"
+    at = chosen(branch, point, family)
+    if family != "pearl":
+        start = tube_start(at.problem, at.u, size=size, law=law)
+    elif tube:
+        start = pearl_tube_start(at.problem, at.u, size=size, law=law)
+    else:
+        start = pearl_start(at.problem, at.u, points=points, law=law)
+    graph = family == "pearl" and not tube
+    q = start.perturbed(perturb, delta, xi=xi, centre=centre, keep=keep)
+    return start.problem, q, 1e-9 if graph else TUBE_RESOLUTION
