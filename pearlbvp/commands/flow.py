@@ -112,8 +112,7 @@ def flow(
             if until is not None and until <= state.t:
                 raise InputError(f"--time: the saved flow is at t = {state.t:g} already; give a later time")
         else:
-            problem, q, resolution = _start(source, **start)
-            state, settings["resolution"] = beginning(problem, q), resolution
+            state = beginning(*_start(source, **start))
         result = resumed(state, FlowOptions(**settings))
     if save is not None:
         study.save(result.state, save)
@@ -134,16 +133,12 @@ def flow(
     return DONE if result.complete else SOME_FAILED
 
 
-TUBE_RESOLUTION = 1e-4
-"""Size of the smallest modes of a tube beyond which more are taken on the way."""
-
-
 def _start(
     source: Path | None, *, family: str, c0: float | None, length: float | None, mode: tuple[int, int] | None, point: str,
     perturb: Any, delta: float, xi: float, centre: float, keep: bool, law: Any, tube: bool, points: int,
     size: tuple[int, int],
-) -> tuple[Any, Any, float]:  # fmt: skip
-    """Problem, coordinates and resolution of the start."""
+) -> tuple[Any, Any]:  # fmt: skip
+    """Problem and coordinates of the start."""
     from pearlbvp.studies import branch as branches
     from pearlbvp.studies.flow_start import SAMPLES, chosen, pearl_start, pearl_tube_start, tube_start
     from pearlbvp.studies.tube import tube_branch
@@ -152,6 +147,8 @@ def _start(
     if source is not None:
         if c0 is not None or length is not None or family != "pearl":
             raise InputError("--from: the saved branch has its own family, c0 and length; leave those out")
+        if not source.is_file():
+            raise InputError(f"--from: there is no file {source}; give one that pearlbvp branch --save wrote")
         branch = branches.load(source)
     else:
         if c0 is None or length is None:
@@ -180,6 +177,4 @@ def _start(
         start = pearl_tube_start(at.problem, at.u, size=size, law=law)
     else:
         start = pearl_start(at.problem, at.u, points=points, law=law)
-    graph = family == "pearl" and not tube
-    q = start.perturbed(perturb, delta, xi=xi, centre=centre, keep=keep)
-    return start.problem, q, 1e-9 if graph else TUBE_RESOLUTION
+    return start.problem, start.perturbed(perturb, delta, xi=xi, centre=centre, keep=keep)

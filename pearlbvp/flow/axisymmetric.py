@@ -303,6 +303,11 @@ class GraphFlow:
             return Trouble("overhang", where, "it is about to be no graph over the axis; use a triangulated tube")
         return None
 
+    @property
+    def wanted_resolution(self) -> float:
+        """Spectral: ten digits cost little more than five."""
+        return 1e-9
+
     def resolution(self, q: Array) -> float:
         """Largest of the last tenth of the Fourier coefficients, relative to the largest."""
         coefficients = np.abs(np.fft.rfft(q))

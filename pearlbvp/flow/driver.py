@@ -41,7 +41,7 @@ class FlowOptions:
         velocity: largest normal velocity at which a stable shape is steady.
         rtol, atol, max_order: of IDA's error test, and the highest order of its formulas; order 5 lets the energy rise.
         max_steps, max_seconds: it gives up after these.
-        resolution: finest details, as the discretization estimates them, beyond which it is refined.
+        resolution: finest details, as the discretization estimates them, beyond which it is refined (None: its own choice).
         compliance: ``epsilon`` above; the constraints are kept to this times the multipliers.
         checkpoint: called with the state so far, now and then, to show or to save it.
         every: seconds between its calls.
@@ -54,14 +54,14 @@ class FlowOptions:
     max_order: int = 3
     max_steps: int = 20000
     max_seconds: float = 600.0
-    resolution: float = 1e-9
+    resolution: float | None = None
     compliance: float = 1e-14
     checkpoint: Callable[[FlowState], None] = lambda state: None
     every: float = 10.0
 
     def __post_init__(self) -> None:
         for name in ("until", "velocity", "rtol", "atol", "max_steps", "max_seconds", "resolution", "every"):
-            if not getattr(self, name) > 0:
+            if getattr(self, name) is not None and not getattr(self, name) > 0:
                 raise InputError(f"{name}: {getattr(self, name)!r} must be positive")
         if not 1 <= self.max_order <= 5:
             raise InputError(f"max_order: {self.max_order} is not between 1 and 5")
@@ -225,7 +225,8 @@ def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
                 detail = problem.resolution(state.q)
                 least = min(least, detail)
                 # Details of the start that are on their way out need no more points, those of a shape at rest do.
-                if detail > options.resolution and (detail > 3 * least or rest.reached):
+                wanted = options.resolution or problem.wanted_resolution
+                if detail > wanted and (detail > 3 * least or rest.reached):
                     finer = problem.refined(state.q)
                     if finer is None:
                         return ended(

@@ -47,6 +47,10 @@ class FlowProblem(Protocol):
     def length(self) -> float:
         """Axial period."""
 
+    @property
+    def wanted_resolution(self) -> float:
+        """The ``resolution`` beyond which the surface is to be refined, unless a user says otherwise."""
+
     def residual(self, q: Array, rate: Array, multipliers: Array) -> Array:
         """The flow's equations, shape (N,): affine in ``rate`` and in the ``k`` multipliers, zero along the flow.
 

@@ -271,6 +271,11 @@ class TubeFlow:
         late = [np.maximum(5 * size // 6, 1) for size in self.size]
         return float(matrix[along > late[0]].max()), float(matrix[:, around > late[1]].max())
 
+    @property
+    def wanted_resolution(self) -> float:
+        """Spectral: the energy is then good to ten digits."""
+        return 1e-5
+
     def resolution(self, q: Array) -> float:
         """The larger of the tails' coefficients."""
         return max(self._tails(q))

@@ -105,16 +105,13 @@ def radii_at(profile: Profile, x: Array) -> Array:
     return whole.states(sigma)[:, 0]
 
 
-def pearl_start(
-    problem: PearlProblem, u: Array, *, points: int = 128, law: Law = "area and volume", resolution: float = 1e-9
-) -> FlowStart:
+def pearl_start(problem: PearlProblem, u: Array, *, points: int = 128, law: Law = "area and volume") -> FlowStart:
     """Pearls of a branch, on the whole tube, as a graph that can flow; the first point of the profile is at ``x = 0``.
 
     Args:
         problem, u: a point of a branch of pearls.
         points: on the whole tube, to begin with; more are taken where the shape needs them.
         law: what the flow keeps.
-        resolution: of the graph.
 
     Raises:
         InputError: the shape overhangs or cannot be resolved, or an argument cannot be used.
@@ -124,7 +121,7 @@ def pearl_start(
     profile = problem.profile(u)
     while True:
         q = graph.coordinates(radii_at(profile, graph.x))
-        if graph.resolution(q) < resolution:
+        if graph.resolution(q) < graph.wanted_resolution:
             break
         finer = graph.refined(q)
         if finer is None:
