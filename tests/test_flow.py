@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from graphs import Graphs
+from scipy.sparse import csc_matrix
 
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
@@ -262,6 +263,30 @@ def test_pinch_overhang_time_and_caps_are_said():
     assert flow(problem, q, FlowOptions(max_seconds=1e-6)).status == "seconds"
     with pytest.raises(InputError, match="shape: .*neck"):
         flow(replace(problem, thinnest=0.9), q)
+
+
+class Sparse(GraphFlow):
+    """Hands its Jacobian over as a sparse matrix, as a triangulated surface does."""
+
+    def jacobian(self, q, rate, lambdas, factor):
+        return csc_matrix(super().jacobian(q, rate, lambdas, factor))
+
+
+def test_sparse_jacobians_flow_the_same_way():
+    ends = []
+    for kind in (GraphFlow, Sparse):
+        problem = kind(0.0, 10.0, 48)
+        result = flow(problem, shape(problem), FlowOptions(until=0.5, rtol=1e-8, atol=1e-10))
+        assert result.status == "time"
+        check(result)
+        ends.append(result.table())
+    for name in ("E", "lambda1", "lambda2"):
+        assert ends[0][name].iloc[-1] == pytest.approx(ends[1][name].iloc[-1], rel=1e-6), name
+    assert len(ends[1]) < 1.3 * len(ends[0])
+    problem = Sparse(0.0, 10.0, 48)
+    result = flow(problem, shape(problem))
+    assert result.status == "steady"
+    assert result.equilibrium.converged
 
 
 class Wall(GraphFlow):

@@ -15,7 +15,6 @@ solver never raises: its status is looked at after every single step.
 from __future__ import annotations
 
 import math
-import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -23,10 +22,8 @@ from typing import Any
 
 import numpy as np
 
-os.environ.setdefault("SUNLOGGER_ERROR_FILENAME", os.devnull)
-from sksundae.ida import IDA
-
 from pearlbvp.errors import InputError
+from pearlbvp.flow.integrator import Tolerances, integrator
 from pearlbvp.flow.problem import Array, FlowProblem
 from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState, Record, Status
 from pearlbvp.flow.steady import polished
@@ -66,9 +63,6 @@ class FlowOptions:
         if not 1 <= self.max_order <= 5:
             raise InputError(f"max_order: {self.max_order} is not between 1 and 5")
 
-
-IGNORED = 1e8
-"""Absolute tolerance of the multipliers."""
 
 PARALLEL = 1e-14
 """Ratio of the singular values of the constraints' Gram matrix below which their gradients are parallel to rounding."""
@@ -123,31 +117,10 @@ def start(problem: FlowProblem, q: Array) -> FlowState:
     return FlowState(problem, 0.0, q, rate, multipliers, problem.constraints(q), record)
 
 
-def _solver(state: FlowState, options: FlowOptions) -> IDA:
+def _solver(state: FlowState, options: FlowOptions) -> Any:
     """IDA, ready to step from a state."""
-    problem, size, k = state.problem, len(state.q), len(state.kept)
-
-    def residual(t: float, y: Array, yp: Array, result: Array) -> None:
-        q, multipliers = y[:size], y[size:]
-        with np.errstate(all="ignore"):  # what is no surface is not finite, and IDA takes a shorter step
-            result[:size] = problem.residual(q, yp[:size], multipliers)
-            result[size:] = problem.constraints(q) - state.kept - options.compliance * multipliers
-
-    def jacobian(t: float, y: Array, yp: Array, r: Array, factor: float, result: Array) -> None:
-        q = y[:size]
-        with np.errstate(all="ignore"):
-            result[:size, :size] = problem.jacobian(q, yp[:size], y[size:], factor)
-            result[:size, size:] = problem.columns(q)
-            result[size:, :size] = problem.constraint_rows(q)
-            result[size:, size:] = -options.compliance * np.eye(k)
-
-    solver = IDA(
-        residual, jacfn=jacobian, algebraic_idx=list(range(size, size + k)), rtol=options.rtol,
-        atol=np.append(np.full(size, options.atol), np.full(k, IGNORED)), max_order=options.max_order,
-        linsolver="lapackdense" if size > 60 else "dense",
-    )  # fmt: skip
-    solver.init_step(state.t, np.append(state.q, state.multipliers), np.append(state.rate, np.zeros(k)))
-    return solver
+    tolerances = Tolerances(options.rtol, options.atol, options.max_order, options.compliance)
+    return integrator(state.problem, state.t, state.q, state.rate, state.multipliers, state.kept, tolerances)
 
 
 def constrained(problem: FlowProblem, q: Array, kept: Array) -> Array:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import bmat, issparse
+from scipy.sparse.linalg import splu
 
 from pearlbvp.flow.problem import Array, FlowProblem
 from pearlbvp.flow.record import Equilibrium
@@ -37,9 +39,11 @@ def polished(problem: FlowProblem, q: Array, multipliers: Array, kept: Array) ->
         shape = u[:size]
         border = np.hstack((form.columns(shape), motions.T))
         rows = np.vstack((form.constraint_rows(shape), motions))
+        inner = form.jacobian(shape, still, u[size : size + k], 0.0)
+        if issparse(inner):  # borders inside: a few times only, and without them the rigid motions make it singular
+            return np.asarray(splu(bmat([[inner, border], [rows, None]], format="csc")).solve(f))
         corner = np.zeros((border.shape[1],) * 2)
-        matrix = np.block([[form.jacobian(shape, still, u[size : size + k], 0.0), border], [rows, corner]])
-        return np.asarray(np.linalg.solve(matrix, f))
+        return np.asarray(np.linalg.solve(np.block([[inner, border], [rows, corner]]), f))
 
     found = newton(
         residual, correct, np.concatenate((q, start, np.zeros(len(motions)))), NewtonOptions(tolerance=1e-15)
