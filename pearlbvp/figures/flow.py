@@ -20,11 +20,15 @@ def draw_surface(axes: Any, frame: Frame, extent: float) -> None:
     x, y, z = frame.problem.surface(frame.q)
     axes.clear()
     light = LightSource(azdeg=225, altdeg=50)
-    axes.plot_surface(x, y, z, rstride=1, cstride=1, color="#9db8d6", linewidth=0, antialiased=False, lightsource=light)
+    surface = axes.plot_surface(
+        x, y, z, rstride=1, cstride=1, color="#9db8d6", linewidth=0, antialiased=False, lightsource=light
+    )
+    surface.set_clip_on(False)  # three-dimensional axes are square, tubes are not
     half = frame.problem.length / 2
     axes.set(xlim=(-half, half), ylim=(-extent, extent), zlim=(-extent, extent))
-    axes.set_box_aspect((2 * half, 2 * extent, 2 * extent), zoom=1.5)
-    axes.view_init(elev=22, azim=-65)
+    axes.set_proj_type("ortho")
+    axes.set_box_aspect((2 * half, 2 * extent, 2 * extent), zoom=1.9)
+    axes.view_init(elev=20, azim=-60)
     axes.set_axis_off()
 
 
@@ -56,7 +60,9 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "") -> Figure:
     left, bottom, width, height = axes[1, 1].get_position().bounds
     ends = (frames[0], frames[-1])
     for row, frame in enumerate(ends):
-        place = figure.add_axes((left, bottom + (1 - row) * height / 2, width, height / 2), projection="3d")
+        place = figure.add_axes(
+            (left - 0.03, bottom + (1 - row) * height / 2, width + 0.06, height / 2), projection="3d"
+        )
         draw_surface(place, frame, _extent(list(ends)))
         place.set_title(f"t = {frame.t:.4g}", fontsize=8, y=0.93)
     return figure

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.sparse import issparse
 from scipy.sparse.linalg import splu
 
+# SUNDIALS would print every failed step on standard error; what a failure means is said by the driver.
 os.environ.setdefault("SUNLOGGER_ERROR_FILENAME", os.devnull)
 from sksundae.ida import IDA, IDAJacTimes, IDAPrecond
 
