@@ -252,6 +252,7 @@ def test_pinch_overhang_time_and_caps_are_said():
     q = problem.coordinates(1 + 0.4 * np.cos(k) + 0.1 * np.cos(2 * k))
     pinch = flow(problem, q)
     assert pinch.status == "pinch"
+    check(pinch)
     assert "neck at x" in pinch.reason
     assert pinch.advice
     assert pinch.table()["r_min"].iloc[-1] < 0.4 < pinch.table()["r_min"].iloc[-2]

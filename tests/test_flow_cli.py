@@ -2,6 +2,7 @@
 
 import io
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -82,6 +83,19 @@ def test_other_laws(capsys, folder):
     assert ends[0]["lambda2"] == pytest.approx(ends[1]["lambda2"], abs=1e-4)
 
 
+def test_a_profile_from_a_table(capsys, folder):
+    x = np.linspace(-5, 5, 41)
+    pd.DataFrame({"x": x, "r": 1 + 0.3 * np.cos(0.2 * np.pi * x)}).to_csv(folder / "p.csv", index=False)
+    status, out, _err = run(capsys, "flow", "--profile", str(folder / "p.csv"), "--c0", "0", "--length", "10")
+    assert status == 0
+    end = pd.read_csv(io.StringIO(out)).iloc[-1]
+    assert end["v"] == pytest.approx(1 + 0.3**2 / 2, abs=1e-5)  # of the spline through 41 points
+    scale = (1 + 0.3 * np.cos(0.2 * np.pi * x[:-1])) * np.hypot(1, 0.06 * np.pi * np.sin(0.2 * np.pi * x[:-1]))
+    area = scale.mean()
+    pearls = pearl_branch(0, 10 / area, 1, branch_options({"v": end["v"] / area**2})).points[-1].observables
+    assert end["E"] * area**2 == pytest.approx(pearls["E"], abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("arguments", "name"),
     [
@@ -95,12 +109,17 @@ def test_other_laws(capsys, folder):
         (["--from", "{b}", "--velocity", "0"], "velocity"),
         (["--resume", "{b}"], "resume"),
         (["--c0", "0"], "--c0, --length"),
+        (["--profile", "{b}"], "--profile"),
+        (["--profile", "{b}", "--c0", "0", "--length", "10"], "--profile"),
+        (["--profile", "{bad}", "--c0", "0", "--length", "10"], "profile"),
         (["--c0", "0", "--length", "10"], "--point"),
         (["--family", "buckle", "--c0", "0", "--length", "10", "--point", "v=0.97", "--size", "2,2"], "size"),
         (["--family", "coil", "--c0", "0", "--length", "10", "--point", "v=0.97", "--law", "diffusion"], "law"),
     ],
 )
 def test_mistakes_are_one_line(capsys, folder, arguments, name):
+    pd.DataFrame({"x": [0.0, 1.0, 2.0, 3.0], "r": [1.0, 1.0, -1.0, 1.0]}).to_csv(folder / "bad.csv", index=False)
+    arguments = [a.replace("{bad}", str(folder / "bad.csv")) for a in arguments]
     perturb = ["--perturb", "none"] if arguments[-1] == "0" else []
     status, out, err = run(capsys, "flow", *(a.replace("{b}", str(folder / "b.h5")) for a in arguments), *perturb)
     assert (status, out) == (2, "")

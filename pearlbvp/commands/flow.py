@@ -30,6 +30,11 @@ if TYPE_CHECKING:
 @click.option("--c0", type=Number(), help="Without --from: spontaneous curvature.")
 @click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the tube.")
 @click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
+@click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv",
+              help="Start from radii instead: columns x and r, with --c0 and --length.")  # fmt: skip
+@click.option(
+    "--pressure", type=Number(), default=0.0, show_default=True, help="With --profile and --law area: lambda2."
+)
 @click.option("--point", default="-1", show_default=True, metavar="K|NAME=VALUE|A2",
               help="The start: a point's number, a column's value, or a name of the paper.")  # fmt: skip
 @click.option("--perturb", type=click.Choice(["bump", "critical", "none"]), default="bump", show_default=True,
@@ -136,13 +141,18 @@ def flow(
 def _start(
     source: Path | None, *, family: str, c0: float | None, length: float | None, mode: tuple[int, int] | None, point: str,
     perturb: Any, delta: float, xi: float, centre: float, keep: bool, law: Any, tube: bool, points: int,
-    size: tuple[int, int],
+    size: tuple[int, int], profile: Path | None, pressure: float,
 ) -> tuple[Any, Any]:  # fmt: skip
     """Problem and coordinates of the start."""
     from pearlbvp.studies import branch as branches
-    from pearlbvp.studies.flow_start import SAMPLES, chosen, pearl_start, pearl_tube_start, tube_start
+    from pearlbvp.studies.flow_start import SAMPLES, chosen, pearl_start, pearl_tube_start, profile_start, tube_start
     from pearlbvp.studies.tube import tube_branch
 
+    if profile is not None:
+        if source is not None or c0 is None or length is None:
+            raise InputError("--profile: it goes with --c0 and --length, and without --from")
+        x, r = _profile(profile)
+        return profile_start(c0, length, x, r, points=points, law=law, pressure=pressure)
     branch: Any
     if source is not None:
         if c0 is not None or length is not None or family != "pearl":
@@ -178,3 +188,16 @@ def _start(
     else:
         start = pearl_start(at.problem, at.u, points=points, law=law)
     return start.problem, start.perturbed(perturb, delta, xi=xi, centre=centre, keep=keep)
+
+
+def _profile(path: Path) -> tuple[Any, Any]:
+    """Columns ``x`` and ``r`` of a table."""
+    import pandas as pd
+
+    try:
+        table = pd.read_csv(path)
+        return table["x"].to_numpy(float), table["r"].to_numpy(float)
+    except OSError:
+        raise InputError(f"--profile: there is no file {path} that can be read; give a CSV file") from None
+    except (KeyError, ValueError):  # pandas' own errors of parsing are ValueErrors
+        raise InputError(f"--profile: {path} is no table of numbers with columns x and r; write one") from None

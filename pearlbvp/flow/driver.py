@@ -194,20 +194,18 @@ def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
             if trouble is not None:
                 return ended(trouble.kind, f"{trouble.place}", trouble.advice)
             rest.saw(velocity)
-            if steps % 10 == 0 or rest.reached:
-                detail = problem.resolution(state.q)
-                least = min(least, detail)
-                # Details of the start that are on their way out need no more points, those of a shape at rest do.
-                wanted = options.resolution or problem.wanted_resolution
-                if detail > wanted and (detail > 3 * least or rest.reached):
-                    finer = problem.refined(state.q)
-                    if finer is None:
-                        return ended(
-                            "unresolved", "no more points are to be had", "stop before, or accept less resolution"
-                        )
+            detail = problem.resolution(state.q)
+            least = min(least, detail)
+            # Details of the start that are on their way out need no more points, those of a shape at rest do.
+            if detail > (options.resolution or problem.wanted_resolution) and (detail > 3 * least or rest.reached):
+                finer = problem.refined(state.q)
+                if finer is not None:
                     state, least = _moved(state, *finer), math.inf
                     size, solver = len(state.q), _solver(state, options)
                     continue
+                if detail > UNRESOLVED:
+                    where = "the shape has finer details than can be described"
+                    return ended("unresolved", where, "stop before, or choose another discretization")
             if rest.due(velocity):
                 equilibrium = polished(problem, state.q, state.multipliers, state.kept)
                 if equilibrium.stable:

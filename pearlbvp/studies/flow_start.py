@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.scheme import Array
@@ -22,7 +23,7 @@ from pearlbvp.flow.problem import Law
 from pearlbvp.flow.record import FlowResult
 from pearlbvp.flow.steady import polished
 from pearlbvp.flow.tube import TubeFlow
-from pearlbvp.helfrich import finite
+from pearlbvp.helfrich import Tube, finite
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.stability.profile import Profile
 from pearlbvp.tube.problem import TubeProblem
@@ -129,6 +130,45 @@ def pearl_start(problem: PearlProblem, u: Array, *, points: int = 128, law: Law 
         graph = finer[0]
     multipliers = np.array([found["lambda1"], found["lambda2"]][: len(graph.constraints(q))])
     return FlowStart(graph, q, multipliers)
+
+
+def profile_start(
+    c0: float,
+    length: float,
+    x: Array,
+    r: Array,
+    *,
+    points: int = 128,
+    law: Law = "area and volume",
+    pressure: float = 0.0,
+) -> tuple[GraphFlow, Array]:
+    """Any axisymmetric graph, given by radii at some places, as a flow and its coordinates; no equilibrium is asked for.
+
+    Args:
+        c0, length: the tube's.
+        x, r: places within one period, in growing order, and radii there; a periodic cubic spline goes through them.
+        points: of the flow.
+        law, pressure: what the flow keeps, and the pressure difference where that is the area alone.
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+    tube = Tube(c0, length)
+    x, r = np.asarray(x, dtype=float), np.asarray(r, dtype=float)
+    if x.ndim != 1 or x.shape != r.shape or len(x) < 4 or not (np.isfinite(x).all() and np.isfinite(r).all()):
+        raise InputError("profile: give four or more places x and as many radii r, all finite")
+    if np.diff(x).min() <= 0 or x[-1] - x[0] > tube.length:
+        raise InputError(f"profile: x must grow, within one period of {tube.length:g}")
+    if r.min() <= 0:
+        raise InputError(f"profile: the radius {r.min():g} at x = {x[r.argmin()]:g} must be positive")
+    if x[-1] - x[0] == tube.length and r[-1] != r[0]:
+        raise InputError(f"profile: its ends are one period apart, so r = {r[0]:g} and {r[-1]:g} must be the same")
+    closed = x[-1] - x[0] == tube.length
+    if not closed:
+        x, r = np.append(x, x[0] + tube.length), np.append(r, r[0])
+    spline = CubicSpline(x, r, bc_type="periodic")
+    graph = GraphFlow(tube.c0, tube.length, points, law, pressure)
+    return graph, graph.coordinates(spline(graph.x))
 
 
 def tube_start(
