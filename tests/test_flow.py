@@ -309,6 +309,23 @@ def test_a_wall_of_nan_stalls_and_is_said(capfd):
     assert not capfd.readouterr().err
 
 
+class Interrupted(GraphFlow):
+    """The user has enough as soon as little moves."""
+
+    def residual(self, q, rate, lambdas):
+        if 0 < np.abs(rate).max() < 1e-3:
+            raise KeyboardInterrupt
+        return super().residual(q, rate, lambdas)
+
+
+def test_an_interrupted_flow_keeps_its_record():
+    problem = Interrupted(0.0, 10.0, 64)
+    result = flow(problem, shape(problem))
+    assert result.status == "interrupted"
+    check(result)
+    assert 1e-3 < result.table()["velocity"].iloc[-1] < 2e-3
+
+
 def test_a_symmetric_start_rests_on_a_saddle():
     branch = pearls(0.48, 15, 2, 1.02)
     start = start_at(branch)

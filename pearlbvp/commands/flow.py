@@ -11,7 +11,7 @@ import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number
 from pearlbvp.commands.branch import MODES
-from pearlbvp.commands.output import DONE, SOME_FAILED, check_distinct, check_outputs, outputs, write
+from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, check_distinct, check_outputs, outputs, write
 from pearlbvp.errors import InputError
 
 if TYPE_CHECKING:
@@ -135,6 +135,8 @@ def flow(
     write(table, out, plot, draw)
     advice = f"; {result.advice}" if result.advice else ""
     print(f"pearlbvp: {result.status}: {result.reason}{advice}", file=sys.stderr)
+    if result.status == "interrupted":
+        return INTERRUPTED
     return DONE if result.complete else SOME_FAILED
 
 

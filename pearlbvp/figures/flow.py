@@ -15,9 +15,9 @@ from pearlbvp.figures.canvas import COLOURS, dress, new_figure
 from pearlbvp.flow.record import FlowResult, FlowState, Frame
 
 
-def draw_surface(axes: Any, frame: Frame, extent: float) -> None:
-    """A shape in perspective, lit from above, in a box of the same size for all frames."""
-    x, y, z = frame.problem.surface(frame.q)
+def draw_surface(axes: Any, frame: Frame, extent: float, along: int = 161, around: int = 49) -> None:
+    """A shape seen from afar, lit from above, in a box of the same size for all frames."""
+    x, y, z = frame.problem.surface(frame.q, along, around)
     axes.clear()
     light = LightSource(azdeg=225, altdeg=50)
     surface = axes.plot_surface(
@@ -77,7 +77,7 @@ def write_movie(state: FlowState, path: Path, count: int = 40, rate: int = 10) -
     extent = _extent(chosen)
 
     def show(index: int) -> list[Any]:
-        draw_surface(axes, chosen[index], extent)
+        draw_surface(axes, chosen[index], extent, 81, 33)
         axes.set_title(f"t = {chosen[index].t:.4g}", fontsize=9)
         return [axes]
 

@@ -18,7 +18,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -117,12 +117,6 @@ def start(problem: FlowProblem, q: Array) -> FlowState:
     return FlowState(problem, 0.0, q, rate, multipliers, problem.constraints(q), record)
 
 
-def _solver(state: FlowState, options: FlowOptions) -> Any:
-    """IDA, ready to step from a state."""
-    tolerances = Tolerances(options.rtol, options.atol, options.max_order, options.compliance)
-    return integrator(state.problem, state.t, state.q, state.rate, state.multipliers, state.kept, tolerances)
-
-
 def constrained(problem: FlowProblem, q: Array, kept: Array) -> Array:
     """The shape moved along the constraints' gradients until they have given values, by Newton's method.
 
@@ -156,83 +150,135 @@ def flow(problem: FlowProblem, q: Array, options: FlowOptions | None = None) -> 
 
 def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
     """The flow from a state on; see ``flow``."""
-    options = options or FlowOptions()
-    state = replace(state, record=state.record.copy())
-    begun = saved = time.monotonic()
-    rest = _Rest(options.velocity)
-    solver, failures, steps = _solver(state, options), 0, 0
-    size, least = len(state.q), math.inf
-
-    def ended(status: Status, reason: str, advice: str = "", equilibrium: Equilibrium | None = None) -> FlowResult:
-        return FlowResult(state, status, f"at t = {state.t:.6g} {reason}", advice, equilibrium)
-
+    run = _Run(replace(state, record=state.record.copy()), options or FlowOptions())
     try:
-        while True:
-            tstop = options.until if math.isfinite(options.until) else None
-            found = solver.step(tstop or 2 * state.t + 1e12, method="onestep", tstop=tstop)
-            y, yp = np.array(found.y).ravel(), np.array(found.yp).ravel()
-            steps += 1
-            if not found.success or not np.isfinite(y).all() or not np.isfinite(yp).all():
-                failures += 1
-                if failures > RESTARTS:
-                    trouble = state.problem.trouble(state.q)
-                    near = f"; {trouble.place}" if trouble else ""
-                    return ended(
-                        "stalled", f"the solver gave up ({found.message}){near}", "loosen rtol, or take more points"
-                    )
-                rate, multipliers, _ = first_rates(state.problem, state.q)
-                state = replace(state, rate=rate, multipliers=multipliers)
-                solver = _solver(state, options)
-                continue
-            failures = 0 if float(found.t) > state.t else failures + 1
-            problem = state.problem
-            q = constrained(problem, y[:size], state.kept)
-            state = replace(state, t=float(found.t), q=q, rate=yp[:size], multipliers=y[size:])
-            velocity = float(np.abs(problem.velocity(state.q, state.rate)).max())
-            state.record.add(state.t, problem, state.q, state.multipliers, velocity)
-            trouble = problem.trouble(state.q)
-            if trouble is not None:
-                return ended(trouble.kind, f"{trouble.place}", trouble.advice)
-            rest.saw(velocity)
-            detail = problem.resolution(state.q)
-            least = min(least, detail)
-            # Details of the start that are on their way out need no more points, those of a shape at rest do.
-            if detail > (options.resolution or problem.wanted_resolution) and (detail > 3 * least or rest.reached):
-                finer = problem.refined(state.q)
-                if finer is not None:
-                    state, least = _moved(state, *finer), math.inf
-                    size, solver = len(state.q), _solver(state, options)
-                    continue
-                if detail > UNRESOLVED:
-                    where = "the shape has finer details than can be described"
-                    return ended("unresolved", where, "stop before, or choose another discretization")
-            if rest.due(velocity):
-                equilibrium = polished(problem, state.q, state.multipliers, state.kept)
-                if equilibrium.stable:
-                    return ended("steady", f"it rests on a stable shape, {_rate(equilibrium)}", "", equilibrium)
-                if rest.for_good(velocity):
-                    return ended(
-                        "saddle", f"it rests on an unstable shape, {_rate(equilibrium)}",
-                        "perturb that shape by its most unstable vector", equilibrium,
-                    )  # fmt: skip
-            if options.until <= state.t:
-                return ended("time", "the time asked for is reached")
-            if steps >= options.max_steps:
-                return ended("steps", f"max_steps = {steps} are done", "resume it, or give it more steps")
-            now = time.monotonic()
-            if now - begun > options.max_seconds:
-                return ended(
-                    "seconds", f"max_seconds = {options.max_seconds:g} are over", "resume it, or give it more time"
-                )
-            if now - saved > options.every:
-                saved = now
-                options.checkpoint(state)
+        ending = run.to_its_end()
     except KeyboardInterrupt:
-        return ended("seconds", "it was interrupted", "resume it")
+        ending = INTERRUPTED
+    except SystemError as error:  # what an interruption inside compiled code turns into
+        if not isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+            raise
+        ending = INTERRUPTED
+    status, reason, advice, equilibrium = ending
+    return FlowResult(run.state, status, f"at t = {run.state.t:.6g} {reason}", advice, equilibrium)
 
 
-def _rate(equilibrium: Equilibrium) -> str:
-    return f"whose largest growth rate is {equilibrium.growth_rates[0]:.3g}"
+class _Ending(NamedTuple):
+    """How a run ends; see ``FlowResult``."""
+
+    status: Status
+    reason: str
+    advice: str = ""
+    equilibrium: Equilibrium | None = None
+
+
+INTERRUPTED = _Ending("interrupted", "it was interrupted", "resume it")
+
+
+class _Run:
+    """A run of the integrator: its state after the last accepted step, and what it watches."""
+
+    def __init__(self, state: FlowState, options: FlowOptions) -> None:
+        self.state, self.options = state, options
+        self.begun = self.saved = time.monotonic()
+        self.rest, self.least = _Rest(options.velocity), math.inf
+        self.failures = self.steps = 0
+        self._restart(state)
+
+    def _restart(self, state: FlowState) -> None:
+        """A new integrator at a state: IDA begins with short steps of low order, some twenty of them."""
+        o = self.options
+        tolerances = Tolerances(o.rtol, o.atol, o.max_order, o.compliance)
+        self.state = state
+        self.solver = integrator(state.problem, state.t, state.q, state.rate, state.multipliers, state.kept, tolerances)
+
+    def to_its_end(self) -> _Ending:
+        """Step until something ends the flow."""
+        if self.state.t >= self.options.until:
+            return _Ending("time", "the time asked for is over")
+        while True:
+            ending = self._step()
+            if ending is None:
+                ending = self._caps()
+            if ending is not None:
+                return ending
+
+    def _step(self) -> _Ending | None:
+        """One step, or one failure of the solver; why the flow ends here, or None."""
+        until = self.options.until if math.isfinite(self.options.until) else None
+        found = self.solver.step(until or 2 * self.state.t + 1e12, method="onestep", tstop=until)
+        y, yp = np.array(found.y).ravel(), np.array(found.yp).ravel()
+        self.steps += 1
+        if not found.success or not np.isfinite(y).all() or not np.isfinite(yp).all() or found.t <= self.state.t:
+            return self._failed(str(found.message))
+        self.failures = 0
+        state, size = self.state, len(self.state.q)
+        problem, q = state.problem, constrained(state.problem, y[:size], state.kept)
+        self.state = replace(state, t=float(found.t), q=q, rate=yp[:size], multipliers=y[size:])
+        velocity = float(np.abs(problem.velocity(q, yp[:size])).max())
+        state.record.add(self.state.t, problem, q, y[size:], velocity)
+        trouble = problem.trouble(q)
+        if trouble is not None:
+            return _Ending(trouble.kind, trouble.place, trouble.advice)
+        self.rest.saw(velocity)
+        return self._resolved() or self._at_rest(velocity)
+
+    def _failed(self, message: str) -> _Ending | None:
+        """After a failure the integrator starts afresh from the last accepted shape, a few times."""
+        self.failures += 1
+        if self.failures > RESTARTS:
+            trouble = self.state.problem.trouble(self.state.q)
+            near = f"; {trouble.place}" if trouble else ""
+            return _Ending("stalled", f"the solver gave up ({message}){near}", "loosen rtol, or take more points")
+        rate, multipliers, _ = first_rates(self.state.problem, self.state.q)
+        self._restart(replace(self.state, rate=rate, multipliers=multipliers))
+        return None
+
+    def _resolved(self) -> _Ending | None:
+        """Refine where details grow that the discretization does not resolve."""
+        problem = self.state.problem
+        detail = problem.resolution(self.state.q)
+        self.least = min(self.least, detail)
+        wanted = self.options.resolution or problem.wanted_resolution
+        # Details of the start that are on their way out need no more points, those of a shape at rest do.
+        if detail <= wanted or (detail <= 3 * self.least and not self.rest.reached):
+            return None
+        finer = problem.refined(self.state.q)
+        if finer is not None:
+            self._restart(_moved(self.state, *finer))
+            self.least, self.rest.reached = math.inf, False
+        elif detail > UNRESOLVED:
+            where = "the shape has finer details than can be described"
+            return _Ending("unresolved", where, "stop before, or choose another discretization")
+        return None
+
+    def _at_rest(self, velocity: float) -> _Ending | None:
+        """Whether the shape rests: the velocity says so, and the spectrum of the polished shape."""
+        if not self.rest.due(velocity):
+            return None
+        state = self.state
+        end = polished(state.problem, state.q, state.multipliers, state.kept)
+        rate = f"whose largest growth rate is {end.growth_rates[0]:.3g}"
+        if end.stable:
+            return _Ending("steady", f"it rests on a stable shape, {rate}", "", end)
+        if self.rest.for_good(velocity):
+            advice = "perturb that shape by its most unstable vector"
+            return _Ending("saddle", f"it rests on an unstable shape, {rate}", advice, end)
+        return None
+
+    def _caps(self) -> _Ending | None:
+        """The limits of time and effort; now and then a checkpoint."""
+        o, now = self.options, time.monotonic()
+        if self.state.t >= o.until:
+            return _Ending("time", "the time asked for is reached")
+        if self.steps >= o.max_steps:
+            return _Ending("steps", f"max_steps = {self.steps} are done", "resume it, or give it more steps")
+        if now - self.begun > o.max_seconds:
+            return _Ending("seconds", f"max_seconds = {o.max_seconds:g} are over", "resume it, or give it more time")
+        if now - self.saved > o.every:
+            self.saved = now
+            o.checkpoint(self.state)
+        return None
 
 
 def _moved(state: FlowState, problem: Any, q: Array) -> FlowState:

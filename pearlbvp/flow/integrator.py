@@ -66,13 +66,20 @@ class Bordered:
         with np.errstate(all="ignore"):
             self._matrix, self._factor = self.problem.jacobian(q, yp[:size], y[size:], factor).tocsc(), factor
             self._rows, self._columns = self.problem.constraint_rows(q), self.problem.columns(q)
-        self._factors = splu(self._matrix)
+        try:
+            self._factors = splu(self._matrix)
+        except RuntimeError:  # singular, or not finite: no correction is finite then, and IDA takes a shorter step
+            self._factors = None
+            return
         self._eliminated = self._factors.solve(np.ascontiguousarray(self._columns))
         self._corner = -self.compliance * np.eye(len(self._rows)) - self._rows @ self._eliminated
 
     def solve(self, t: float, y: Array, yp: Array, r: Array, rhs: Array, z: Array, factor: float, delta: float) -> None:
         """``z`` with ``[[A, C], [R, -epsilon]] z = rhs`` at the state of the last set-up."""
         size = self.size
+        if self._factors is None:
+            z[:] = np.nan
+            return
         inner = self._factors.solve(rhs[:size])
         multipliers = np.linalg.solve(self._corner, rhs[size:] - self._rows @ inner)
         z[:size], z[size:] = inner - self._eliminated @ multipliers, multipliers

@@ -16,7 +16,16 @@ if TYPE_CHECKING:
 COLUMNS = ("t", "E", "lambda1", "lambda2", "area_error", "volume_error", "velocity", "v", "amplitude", "r_min", "r_max")
 
 Status = Literal[
-    "unfinished", "steady", "saddle", "time", "pinch", "overhang", "unresolved", "stalled", "steps", "seconds"
+    "steady",
+    "saddle",
+    "time",
+    "pinch",
+    "overhang",
+    "unresolved",
+    "stalled",
+    "steps",
+    "seconds",
+    "interrupted",
 ]
 
 MOST_FRAMES = 400
@@ -138,7 +147,7 @@ class FlowResult:
     Attributes:
         state: the last one, whatever happened.
         status: ``steady`` (velocity and spectrum say so), ``saddle`` (at rest on an unstable shape), ``time``, ``pinch``,
-            ``overhang``, ``unresolved`` (no more points to be had), ``stalled``, ``steps``, ``seconds``.
+            ``overhang``, ``unresolved`` (no more points to be had), ``stalled``, ``steps``, ``seconds``, ``interrupted``.
         reason: one line for a reader: what happened, when, where.
         advice: what to try, or empty.
         equilibrium: the polished end state, where the flow came to rest.
