@@ -13,7 +13,7 @@ from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, constrained, flow, resumed
 from pearlbvp.flow.perturbation import displaced
 from pearlbvp.studies.branch import branch_options, pearl_branch, shape_branch, switched
-from pearlbvp.studies.flow import continued, load, pearls_of, save
+from pearlbvp.studies.flow import continued, load, pearls_of, save, stability
 from pearlbvp.studies.flow_start import chosen, pearl_start
 from pearlbvp.theory.dispersion import growth_rate
 
@@ -161,6 +161,7 @@ def test_periodic_pearls_flow_to_the_localized_pearl(length, m):
     end = problem.observables(u)
     localized = switched(branch, 1, branch_options({"v": 1.02}))
     assert localized.complete, localized.reason
+    assert stability(result.equilibrium).mu_crit == pytest.approx(localized.points[-1].spectrum.mu_crit, rel=1e-4)
     there = localized.points[-1].observables
     assert end["lambda2"] == pytest.approx(there["lambda2"], abs=1e-8)
     assert end["E"] == pytest.approx(there["E"], abs=1e-9)

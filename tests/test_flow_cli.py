@@ -36,6 +36,7 @@ def test_a_flow_from_a_saved_branch_writes_everything(capsys, folder):
     )  # fmt: skip
     assert (status, out) == (0, "")
     assert "steady: at t = " in err
+    assert "n_unstable = 0" in err
     table = pd.read_csv(files[0])
     assert list(table.columns[:7]) == COLUMNS
     localized = switched(pearl_branch(0.48, 15, 2, branch_options({"v": 1.015})), 1, branch_options({"v": 1.015}))

@@ -135,9 +135,25 @@ def flow(
     write(table, out, plot, draw)
     advice = f"; {result.advice}" if result.advice else ""
     print(f"pearlbvp: {result.status}: {result.reason}{advice}", file=sys.stderr)
+    if (
+        result.equilibrium is not None
+        and result.equilibrium.converged
+        and result.equilibrium.problem.to_tree()["kind"] == "graph"
+    ):
+        _say_stability(study, result.equilibrium)
     if result.status == "interrupted":
         return INTERRUPTED
     return DONE if result.complete else SOME_FAILED
+
+
+def _say_stability(study: Any, end: Any) -> None:
+    """Stability of an axisymmetric end to all perturbations, on standard error."""
+    try:
+        spectrum = study.stability(end)
+    except InputError:  # an end that is no point of a branch: the flow's own word stands
+        return
+    counted = f"n_unstable = {spectrum.n_unstable}, mu_crit = {spectrum.mu_crit:.4g} ({spectrum.critical})"
+    print(f"pearlbvp: to all perturbations of this tube: {counted}", file=sys.stderr)
 
 
 def _start(

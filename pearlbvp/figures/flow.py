@@ -15,7 +15,7 @@ from pearlbvp.figures.canvas import COLOURS, dress, new_figure
 from pearlbvp.flow.record import FlowResult, FlowState, Frame
 
 
-def draw_surface(axes: Any, frame: Frame, extent: float, along: int = 161, around: int = 49) -> None:
+def draw_surface(axes: Any, frame: Frame, extent: float, along: int = 121, around: int = 37) -> None:
     """A shape seen from afar, lit from above, in a box of the same size for all frames."""
     x, y, z = frame.problem.surface(frame.q, along, around)
     axes.clear()
@@ -68,7 +68,7 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "") -> Figure:
     return figure
 
 
-def write_movie(state: FlowState, path: Path, count: int = 40, rate: int = 10) -> None:
+def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10) -> None:
     """The shapes on the way as a GIF; equal steps of energy and of the number of time steps share the frames."""
     frames = state.record.frames
     chosen = [frames[i] for i in _evenly(state, min(count, len(frames)))]
@@ -77,7 +77,7 @@ def write_movie(state: FlowState, path: Path, count: int = 40, rate: int = 10) -
     extent = _extent(chosen)
 
     def show(index: int) -> list[Any]:
-        draw_surface(axes, chosen[index], extent, 81, 33)
+        draw_surface(axes, chosen[index], extent, 61, 25)
         axes.set_title(f"t = {chosen[index].t:.4g}", fontsize=9)
         return [axes]
 

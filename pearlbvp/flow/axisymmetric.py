@@ -304,6 +304,11 @@ class GraphFlow:
         return None
 
     @property
+    def space(self) -> str:
+        """What it describes."""
+        return "axisymmetric shapes"
+
+    @property
     def wanted_resolution(self) -> float:
         """Spectral: ten digits cost little more than five."""
         return 1e-9

@@ -258,12 +258,12 @@ class _Run:
             return None
         state = self.state
         end = polished(state.problem, state.q, state.multipliers, state.kept)
-        rate = f"whose largest growth rate is {end.growth_rates[0]:.3g}"
+        rate = f"among {state.problem.space}: the largest growth rate is {end.growth_rates[0]:.3g}"
         if end.stable:
-            return _Ending("steady", f"it rests on a stable shape, {rate}", "", end)
+            return _Ending("steady", f"it rests on a shape that is stable {rate}", "", end)
         if self.rest.for_good(velocity):
             advice = "perturb that shape by its most unstable vector"
-            return _Ending("saddle", f"it rests on an unstable shape, {rate}", advice, end)
+            return _Ending("saddle", f"it rests on a shape that is unstable {rate}", advice, end)
         return None
 
     def _caps(self) -> _Ending | None:

@@ -48,6 +48,10 @@ class FlowProblem(Protocol):
         """Axial period."""
 
     @property
+    def space(self) -> str:
+        """What shapes it can describe, for messages: stability is judged among them."""
+
+    @property
     def wanted_resolution(self) -> float:
         """The ``resolution`` beyond which the surface is to be refined, unless a user says otherwise."""
 

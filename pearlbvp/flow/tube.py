@@ -272,6 +272,11 @@ class TubeFlow:
         return float(matrix[along > late[0]].max()), float(matrix[:, around > late[1]].max())
 
     @property
+    def space(self) -> str:
+        """What it describes."""
+        return "tubes of all symmetries"
+
+    @property
     def wanted_resolution(self) -> float:
         """Spectral: the energy is then good to ten digits."""
         return 1e-5

@@ -22,6 +22,8 @@ from pearlbvp.flow.tube import TubeFlow
 from pearlbvp.helfrich import Tube
 from pearlbvp.shapes.graph import pearl_of_graph
 from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.stability.bloch import Fixed
+from pearlbvp.stability.spectrum import Spectrum
 from pearlbvp.studies.branch import branch_options
 
 
@@ -114,6 +116,20 @@ def _plane(graph: GraphFlow, q: Array) -> float:
 
     best = min(candidates, key=oddness)
     return float(best * graph.length - graph.length / 2)
+
+
+def stability(end: Equilibrium) -> Spectrum:
+    """Growth rates of all perturbations of an axisymmetric end state, those that break its symmetry too.
+
+    They are those of the similar shape of area ``2 pi L`` (``pearls_of``): in the flow's own units they are ``s^4`` times
+    smaller, ``s = A/(2 pi L)``.
+
+    Raises:
+        InputError: the end state is no point of a branch; see ``pearls_of``.
+    """
+    problem, u = pearls_of(end)
+    fixed: Fixed = "area" if end.problem.law == "area" else "area and volume"
+    return replace(problem, fixed=fixed).spectrum(u)
 
 
 def continued(
