@@ -101,7 +101,7 @@ def test_a_profile_from_a_table(capsys, folder):
     ("arguments", "name"),
     [
         (["--from", "none.h5"], "--from"),
-        (["--from", "{b}", "--c0", "0"], "--from"),
+        (["--from", "{b}", "--c0", "0"], "--c0"),
         (["--from", "{b}", "--point", "A2"], "point"),
         (["--from", "{b}", "--point", "0"], "shape"),  # the straight tube
         (["--from", "{b}", "--delta", "3"], "delta"),
@@ -110,6 +110,13 @@ def test_a_profile_from_a_table(capsys, folder):
         (["--from", "{b}", "--velocity", "0"], "velocity"),
         (["--resume", "{b}"], "resume"),
         (["--c0", "0"], "--c0, --length"),
+        (["--resume", "{b}", "--delta", "0.1"], "--delta"),
+        (["--from", "{b}", "--size", "4,4"], "--size"),
+        (["--from", "{b}", "--tube", "--points", "64"], "--points"),
+        (["--from", "{b}", "--pressure", "1"], "--pressure"),
+        (["--from", "{b}", "--perturb", "critical", "--xi", "2"], "--xi"),
+        (["--from", "{b}", "--perturb", "none", "--keep"], "--keep"),
+        (["--from", "{b}", "--resume", "{b}"], "--from"),
         (["--profile", "{b}"], "--profile"),
         (["--profile", "{b}", "--c0", "0", "--length", "10"], "--profile"),
         (["--profile", "{bad}", "--c0", "0", "--length", "10"], "profile"),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number
-from pearlbvp.commands.branch import MODES
+from pearlbvp.commands.branch import MODES, _given
 from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, check_distinct, check_outputs, outputs, write
 from pearlbvp.errors import InputError
 
@@ -78,6 +78,7 @@ def flow(
     """
     from pearlbvp.files import writable, write_whole
 
+    _refuse_idle(_given(click.get_current_context()), start)
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
     movie = None if movie is None else writable("--movie", movie)
@@ -87,8 +88,6 @@ def flow(
         check_distinct(
             {name: None if p is None else Path(os.path.realpath(p)) for name, p in outputs_and_inputs.items()}
         )
-    if resume is not None and source is not None:
-        raise InputError("--from, --resume: choose one of them")
     from tqdm import tqdm
 
     from pearlbvp.flow.driver import FlowOptions, resumed
@@ -146,6 +145,44 @@ def flow(
     return DONE if result.complete else SOME_FAILED
 
 
+PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}
+OF_A_BRANCH = {"family", "mode", "point"}
+DISCRETIZATION = {"tube", "points", "size"}
+
+
+def _refuse_idle(given: set[str], start: dict[str, Any]) -> None:
+    """Refuse options that would say nothing beside others.
+
+    Raises:
+        InputError: the first of them, and what it does not go with.
+    """
+    whole = {"source", "c0", "length", "law", "profile", "pressure"} | PERTURBATION | OF_A_BRANCH | DISCRETIZATION
+    graph = start["family"] == "pearl" and not start["tube"]
+    for condition, idle, why in (
+        ("resume" in given, whole, "a saved flow has its own; leave it out with --resume"),
+        (
+            "source" in given,
+            {"family", "c0", "length", "mode", "profile"},
+            "a saved branch has its own; leave it out with --from",
+        ),
+        (
+            "profile" in given,
+            PERTURBATION | OF_A_BRANCH | {"tube", "size"},
+            "it does not go with --profile; leave it out",
+        ),
+        ("profile" not in given, {"pressure"}, "a branch's point has its own; give --profile too, or leave it out"),
+        (start["law"] != "area", {"pressure"}, "it goes with --law area"),
+        (not graph, {"points"}, "it is for axisymmetric shapes; give --size"),
+        (graph, {"size"}, "it is for tubes; give --points, or --tube"),
+        (start["family"] != "pearl", {"tube"}, "rings, coils and buckles flow among all tubes anyway; leave it out"),
+        (start["perturb"] == "none", PERTURBATION - {"perturb"}, "nothing is perturbed; leave it out"),
+        (start["perturb"] == "critical", {"xi", "centre"}, "it is for bumps; leave it out"),
+    ):
+        found = sorted(given & idle) if condition else []
+        if found:
+            raise InputError(f"--{found[0].replace('source', 'from')}: {why}")
+
+
 def _say_stability(study: Any, end: Any) -> None:
     """Stability of an axisymmetric end to all perturbations, on standard error."""
     try:
@@ -167,14 +204,12 @@ def _start(
     from pearlbvp.studies.tube import tube_branch
 
     if profile is not None:
-        if source is not None or c0 is None or length is None:
-            raise InputError("--profile: it goes with --c0 and --length, and without --from")
+        if c0 is None or length is None:
+            raise InputError("--profile: it goes with --c0 and --length; give both")
         x, r = _profile(profile)
         return profile_start(c0, length, x, r, points=points, law=law, pressure=pressure)
     branch: Any
     if source is not None:
-        if c0 is not None or length is not None or family != "pearl":
-            raise InputError("--from: the saved branch has its own family, c0 and length; leave those out")
         if not source.is_file():
             raise InputError(f"--from: there is no file {source}; give one that pearlbvp branch --save wrote")
         branch = branches.load(source)
