@@ -82,7 +82,7 @@ def flow(
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
     movie = None if movie is None else writable("--movie", movie)
-    read = {"--from": source, "--resume": resume}
+    read = {"--from": source, "--resume": resume, "--profile": start["profile"]}
     for outputs_and_inputs in ({**read, "--out": out, "--plot": plot, "--movie": movie},
                                {"--from": source, "--out": out, "--plot": plot, "--movie": movie, "--save": save}):  # fmt: skip
         check_distinct(
