@@ -17,7 +17,8 @@ def run(capsys, *arguments):
     with pytest.raises(SystemExit) as left:
         main(list(arguments))
     captured = capsys.readouterr()
-    return left.value.code, captured.out, captured.err
+    said = [line for line in captured.err.splitlines(keepends=True) if not line.startswith("pearlbvp: compiling")]
+    return left.value.code, captured.out, "".join(said)
 
 
 @pytest.fixture(scope="module")
