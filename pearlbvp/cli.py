@@ -14,6 +14,7 @@ from pearlbvp._version import __version__
 from pearlbvp.commands.amplitude import amplitude, amplitude_map
 from pearlbvp.commands.branch import branch
 from pearlbvp.commands.dispersion import dispersion
+from pearlbvp.commands.flow import flow
 from pearlbvp.commands.localized import localized
 from pearlbvp.commands.output import DONE, INTERRUPTED, UNUSABLE
 from pearlbvp.commands.period import period
@@ -33,7 +34,7 @@ def cli() -> None:
     """
 
 
-for command in (dispersion, amplitude, amplitude_map, localized, period, region, branch):
+for command in (dispersion, amplitude, amplitude_map, localized, period, region, branch, flow):
     cli.add_command(command)
 
 

@@ -11,6 +11,7 @@ ROOMS = [
     "commands",
     "figures",
     "studies",
+    "flow",
     "shapes",
     "tube",
     "stability",
@@ -40,3 +41,12 @@ def test_a_room_imports_only_from_below(room):
     above = set(ROOMS[: ROOMS.index(room)])
     for path in files:
         assert not imported(path) & (above | NOTHING_OF.get(room, set())), path.name
+
+
+def test_the_flow_s_driver_knows_no_discretization():
+    allowed = {"driver", "integrator", "problem", "record", "steady", "spectrum", "errors", "newton"}
+    for name in ("driver", "integrator", "steady", "record", "perturbation"):
+        tree = ast.parse((PACKAGE / "flow" / f"{name}.py").read_text())
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("pearlbvp."):
+                assert node.module.split(".")[-1] in allowed, name

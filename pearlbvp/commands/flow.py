@@ -1,0 +1,256 @@
+"""``pearlbvp flow``."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pearlbvp.commands.arguments import ModeNumbers, Number
+from pearlbvp.commands.branch import MODES, _given
+from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, check_distinct, check_outputs, outputs, write
+from pearlbvp.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@click.command(
+    epilog="Examples:  pearlbvp flow --from b.h5 --point A2 --perturb bump --delta -0.125 --out f.csv --plot f.png  |  "
+    "pearlbvp flow --from b.h5 --point v=1.02 --perturb critical --delta 0.02 --keep --movie f.gif  |  "
+    "pearlbvp flow --family buckle --c0 0 --length 10 --point C --perturb critical --delta 0.3 --plot c.png  |  "
+    "pearlbvp flow --resume f.h5 --time 100"
+)
+@click.option("--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of pearls.")
+@click.option("--family", type=click.Choice(["pearl", "ring", "coil", "buckle"]), default="pearl", show_default=True,
+              help="Without --from: the branch that is followed to --point NAME=VALUE.")  # fmt: skip
+@click.option("--c0", type=Number(), help="Without --from: spontaneous curvature.")
+@click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the tube.")
+@click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
+@click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv",
+              help="Start from radii instead: columns x and r, with --c0 and --length.")  # fmt: skip
+@click.option(
+    "--pressure", type=Number(), default=0.0, show_default=True, help="With --profile and --law area: lambda2."
+)
+@click.option("--point", default="-1", show_default=True, metavar="K|NAME=VALUE|A2",
+              help="The start: a point's number, a column's value, or a name of the paper.")  # fmt: skip
+@click.option("--perturb", type=click.Choice(["bump", "critical", "none"]), default="bump", show_default=True,
+              help="A bump, or the most unstable vector.")  # fmt: skip
+@click.option("--delta", type=Number(), default=-0.125, show_default=True, help="Size of the perturbation, in radii.")
+@click.option("--xi", type=Number(), default=1.0, show_default=True, help="The bump is 1/(1 + xi x^2).")
+@click.option("--centre", type=Number(), default=0.0, show_default=True, help="Axial position of the bump.")
+@click.option("--keep", is_flag=True, help="Move the perturbed shape back to the area and volume it had.")
+@click.option("--law", type=click.Choice(["area and volume", "area", "diffusion"]), default="area and volume",
+              show_default=True, help="What is kept; area: at given pressure; diffusion: the H^-1 flow.")  # fmt: skip
+@click.option("--tube", is_flag=True, help="Let pearls flow among all tubes, not only axisymmetric ones.")
+@click.option("--points", type=click.IntRange(min=8), default=128, show_default=True, help="Of an axisymmetric shape.")
+@click.option(
+    "--size", type=ModeNumbers(), default="12,12", show_default=True, help="Waves of a tube, along and around."
+)
+@click.option("--time", "until", type=Number(), help="Stop at that time.")
+@click.option(
+    "--velocity", type=Number(), default=1e-6, show_default=True, help="A stable shape slower than this rests."
+)
+@click.option("--max-seconds", type=Number(), default=600.0, show_default=True, help="Give up after so long.")
+@click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the flow, also on the way.")
+@click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved flow.")
+@click.option("--movie", type=click.Path(path_type=Path), metavar="FILE.gif", help="Write a movie.")
+@outputs
+def flow(
+    source: Path | None,
+    resume: Path | None,
+    save: Path | None,
+    movie: Path | None,
+    out: Path | None,
+    plot: Path | None,
+    until: float | None,
+    velocity: float,
+    max_seconds: float,
+    **start: Any,
+) -> int:
+    """Let a perturbed shape of a branch flow at fixed area and volume, until it rests on a stable shape.
+
+    Columns: t, E, lambda1, lambda2, area_error, volume_error (relative), velocity (the largest along the normal),
+    v, amplitude, r_min, r_max; a row for every accepted step. How the flow ends goes to standard error.
+    """
+    from pearlbvp.files import writable, write_whole
+
+    _refuse_idle(_given(click.get_current_context()), start)
+    out, plot = check_outputs(out, plot)
+    save = None if save is None else writable("--save", save)
+    movie = None if movie is None else writable("--movie", movie)
+    read = {"--from": source, "--resume": resume, "--profile": start["profile"]}
+    for outputs_and_inputs in ({**read, "--out": out, "--plot": plot, "--movie": movie},
+                               {"--from": source, "--out": out, "--plot": plot, "--movie": movie, "--save": save}):  # fmt: skip
+        check_distinct(
+            {name: None if p is None else Path(os.path.realpath(p)) for name, p in outputs_and_inputs.items()}
+        )
+    from tqdm import tqdm
+
+    from pearlbvp.flow.driver import FlowOptions, resumed
+    from pearlbvp.flow.driver import start as beginning
+    from pearlbvp.flow.record import COLUMNS
+    from pearlbvp.studies import flow as study
+
+    with tqdm(unit="step", disable=None) as bar:
+
+        def checkpoint(state: Any) -> None:
+            bar.set_postfix(t=f"{state.t:.5g}", refresh=False)
+            bar.update(len(state.record.rows["t"]) - bar.n)
+            if save is not None:
+                study.save(state, save)
+
+        settings: dict[str, Any] = {
+            "velocity": velocity,
+            "max_seconds": max_seconds,
+            "checkpoint": checkpoint,
+            "every": 2.0,
+        }
+        if until is not None:
+            settings["until"] = until
+        if resume is not None:
+            state = study.load(resume)
+            if until is not None and until <= state.t:
+                raise InputError(f"--time: the saved flow is at t = {state.t:g} already; give a later time")
+        else:
+            state = beginning(*_start(source, **start))
+        result = resumed(state, FlowOptions(**settings))
+    if save is not None:
+        study.save(result.state, save)
+    if movie is not None:
+        from pearlbvp.figures.flow import write_movie
+
+        write_whole("--movie", movie, lambda path: write_movie(result.state, path))
+    table = result.table()[list(COLUMNS)]
+
+    def draw() -> Figure:
+        from pearlbvp.figures.flow import draw_result
+
+        return draw_result(result)
+
+    write(table, out, plot, draw)
+    advice = f"; {result.advice}" if result.advice else ""
+    print(f"pearlbvp: {result.status}: {result.reason}{advice}", file=sys.stderr)
+    if (
+        result.equilibrium is not None
+        and result.equilibrium.converged
+        and result.equilibrium.problem.to_tree()["kind"] == "graph"
+    ):
+        _say_stability(study, result.equilibrium)
+    if result.status == "interrupted":
+        return INTERRUPTED
+    return DONE if result.complete else SOME_FAILED
+
+
+PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}
+OF_A_BRANCH = {"family", "mode", "point"}
+DISCRETIZATION = {"tube", "points", "size"}
+
+
+def _refuse_idle(given: set[str], start: dict[str, Any]) -> None:
+    """Refuse options that would say nothing beside others.
+
+    Raises:
+        InputError: the first of them, and what it does not go with.
+    """
+    whole = {"source", "c0", "length", "law", "profile", "pressure"} | PERTURBATION | OF_A_BRANCH | DISCRETIZATION
+    graph = start["family"] == "pearl" and not start["tube"]
+    for condition, idle, why in (
+        ("resume" in given, whole, "a saved flow has its own; leave it out with --resume"),
+        (
+            "source" in given,
+            {"family", "c0", "length", "mode", "profile"},
+            "a saved branch has its own; leave it out with --from",
+        ),
+        (
+            "profile" in given,
+            PERTURBATION | OF_A_BRANCH | {"tube", "size"},
+            "it does not go with --profile; leave it out",
+        ),
+        ("profile" not in given, {"pressure"}, "a branch's point has its own; give --profile too, or leave it out"),
+        (start["law"] != "area", {"pressure"}, "it goes with --law area"),
+        (not graph, {"points"}, "it is for axisymmetric shapes; give --size"),
+        (graph, {"size"}, "it is for tubes; give --points, or --tube"),
+        (start["family"] != "pearl", {"tube"}, "rings, coils and buckles flow among all tubes anyway; leave it out"),
+        (start["perturb"] == "none", PERTURBATION - {"perturb"}, "nothing is perturbed; leave it out"),
+        (start["perturb"] == "critical", {"xi", "centre"}, "it is for bumps; leave it out"),
+    ):
+        found = sorted(given & idle) if condition else []
+        if found:
+            raise InputError(f"--{found[0].replace('source', 'from')}: {why}")
+
+
+def _say_stability(study: Any, end: Any) -> None:
+    """Stability of an axisymmetric end to all perturbations, on standard error."""
+    try:
+        spectrum = study.stability(end)
+    except InputError:  # an end that is no point of a branch: the flow's own word stands
+        return
+    counted = f"n_unstable = {spectrum.n_unstable}, mu_crit = {spectrum.mu_crit:.4g} ({spectrum.critical})"
+    print(f"pearlbvp: to all perturbations of this tube: {counted}", file=sys.stderr)
+
+
+def _start(
+    source: Path | None, *, family: str, c0: float | None, length: float | None, mode: tuple[int, int] | None, point: str,
+    perturb: Any, delta: float, xi: float, centre: float, keep: bool, law: Any, tube: bool, points: int,
+    size: tuple[int, int], profile: Path | None, pressure: float,
+) -> tuple[Any, Any]:  # fmt: skip
+    """Problem and coordinates of the start."""
+    from pearlbvp.studies import branch as branches
+    from pearlbvp.studies.flow_start import SAMPLES, chosen, pearl_start, pearl_tube_start, profile_start, tube_start
+    from pearlbvp.studies.tube import tube_branch
+
+    if profile is not None:
+        if c0 is None or length is None:
+            raise InputError("--profile: it goes with --c0 and --length; give both")
+        x, r = _profile(profile)
+        return profile_start(c0, length, x, r, points=points, law=law, pressure=pressure)
+    branch: Any
+    if source is not None:
+        if not source.is_file():
+            raise InputError(f"--from: there is no file {source}; give one that pearlbvp branch --save wrote")
+        branch = branches.load(source)
+    else:
+        if c0 is None or length is None:
+            raise InputError("--c0, --length: give both, or a saved branch with --from")
+        name, equals, value = point.partition("=")
+        known = SAMPLES.get((family, c0, length, point))
+        if not equals and known is None:
+            raise InputError(
+                "--point: without --from, give NAME=VALUE, like v=1.02, for how far the branch is followed"
+            )
+        stop = {name: float(value)} if equals else dict([known])  # type: ignore[list-item]
+        options = branches.branch_options(stop)
+        m, n = mode or MODES[family]
+        branch = (
+            branches.pearl_branch(c0, length, m, options)
+            if family == "pearl"
+            else tube_branch(c0, length, family, (m, n), options)  # type: ignore[arg-type]
+        )
+        if not branch.complete:
+            raise InputError(f"--point: {point} is not reached: the branch ends, as {branch.reason}")
+        point = "-1"
+    at = chosen(branch, point, family)
+    if family != "pearl":
+        start = tube_start(at.problem, at.u, size=size, law=law)
+    elif tube:
+        start = pearl_tube_start(at.problem, at.u, size=size, law=law)
+    else:
+        start = pearl_start(at.problem, at.u, points=points, law=law)
+    return start.problem, start.perturbed(perturb, delta, xi=xi, centre=centre, keep=keep)
+
+
+def _profile(path: Path) -> tuple[Any, Any]:
+    """Columns ``x`` and ``r`` of a table."""
+    import pandas as pd
+
+    try:
+        table = pd.read_csv(path)
+        return table["x"].to_numpy(float), table["r"].to_numpy(float)
+    except OSError:
+        raise InputError(f"--profile: there is no file {path} that can be read; give a CSV file") from None
+    except (KeyError, ValueError):  # pandas' own errors of parsing are ValueErrors
+        raise InputError(f"--profile: {path} is no table of numbers with columns x and r; write one") from None

@@ -1,0 +1,101 @@
+"""Pictures of a flow: energy, multipliers and velocity over time, shapes at both ends, and a movie."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.colors import LightSource
+from matplotlib.figure import Figure
+
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+from pearlbvp.flow.record import FlowResult, FlowState, Frame
+
+
+def draw_surface(axes: Any, frame: Frame, extent: float, along: int = 121, around: int = 37) -> None:
+    """A shape seen from afar, lit from above, in a box of the same size for all frames."""
+    x, y, z = frame.problem.surface(frame.q, along, around)
+    axes.clear()
+    light = LightSource(azdeg=225, altdeg=50)
+    surface = axes.plot_surface(
+        x, y, z, rstride=1, cstride=1, color="#9db8d6", linewidth=0, antialiased=False, lightsource=light
+    )
+    surface.set_clip_on(False)  # three-dimensional axes are square, tubes are not
+    half = frame.problem.length / 2
+    axes.set(xlim=(-half, half), ylim=(-extent, extent), zlim=(-extent, extent))
+    axes.set_proj_type("ortho")
+    axes.set_box_aspect((2 * half, 2 * extent, 2 * extent), zoom=1.9)
+    axes.view_init(elev=20, azim=-60)
+    axes.set_axis_off()
+
+
+def _extent(frames: list[Frame]) -> float:
+    """Half the width of a box that holds all shapes."""
+    return 1.02 * max(float(np.abs(part).max()) for f in frames for part in f.problem.surface(f.q, 33, 25)[1:])
+
+
+def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "") -> Figure:
+    """Energy, multipliers and velocity over time (logarithmic, from the first step on), and the first and last shape."""
+    figure, axes = new_figure(2, 2, width=9.5, height=7.0)
+    table = table[table["t"] > 0]
+    curves = (
+        (axes[0, 0], ("E",), "energy by area E/A"),
+        (axes[0, 1], ("lambda1", "lambda2"), "tension lambda1, pressure lambda2"),
+    )
+    for place, names, label in curves:
+        for name, colour in zip(names, COLOURS, strict=False):
+            place.semilogx(table["t"], table[name], color=colour, linewidth=1.4, label=name)
+        dress(place, "time t", label, title if place is axes[0, 0] else "")
+    axes[0, 1].legend(frameon=False)
+    styles = (("velocity", "largest velocity"), ("area_error", "error of area"), ("volume_error", "error of volume"))
+    for (name, label), colour in zip(styles, COLOURS, strict=False):
+        axes[1, 0].loglog(table["t"], table[name].abs().clip(lower=1e-17), color=colour, linewidth=1.2, label=label)
+    axes[1, 0].legend(frameon=False, fontsize=8)
+    dress(axes[1, 0], "time t", "velocity, relative errors")
+    axes[1, 1].set_axis_off()
+    frames = state.record.frames
+    left, bottom, width, height = axes[1, 1].get_position().bounds
+    ends = (frames[0], frames[-1])
+    for row, frame in enumerate(ends):
+        place = figure.add_axes(
+            (left - 0.03, bottom + (1 - row) * height / 2, width + 0.06, height / 2), projection="3d"
+        )
+        draw_surface(place, frame, _extent(list(ends)))
+        place.set_title(f"t = {frame.t:.4g}", fontsize=8, y=0.93)
+    return figure
+
+
+def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10) -> None:
+    """The shapes on the way as a GIF; equal steps of energy and of the number of time steps share the frames."""
+    frames = state.record.frames
+    chosen = [frames[i] for i in _evenly(state, min(count, len(frames)))]
+    figure = Figure(figsize=(6.0, 3.2), dpi=90)
+    axes = figure.add_axes((0, 0, 1, 0.92), projection="3d")
+    extent = _extent(chosen)
+
+    def show(index: int) -> list[Any]:
+        draw_surface(axes, chosen[index], extent, 61, 25)
+        axes.set_title(f"t = {chosen[index].t:.4g}", fontsize=9)
+        return [axes]
+
+    FuncAnimation(figure, show, frames=len(chosen)).save(path, writer=PillowWriter(fps=rate))
+
+
+def _evenly(state: FlowState, count: int) -> list[int]:
+    """Indices of frames, half of the progress counted by energy, half by steps."""
+    rows = state.record.rows
+    times = np.array([frame.t for frame in state.record.frames])
+    energy = np.interp(times, rows["t"], rows["E"])
+    fall = energy[0] - energy
+    progress = fall / max(fall.max(), 1e-300) + np.linspace(0, 1, len(times))
+    progress = np.maximum.accumulate(progress)
+    wanted = np.linspace(progress[0], progress[-1], count)
+    return [int(i) for i in np.unique(np.searchsorted(progress, wanted).clip(0, len(times) - 1))]
+
+
+def draw_result(result: FlowResult, title: str = "") -> Figure:
+    """The picture of a finished flow."""
+    return draw_flow(result.state, result.table(), title)

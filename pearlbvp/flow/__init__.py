@@ -1,0 +1,1 @@
+"""Constrained gradient flow of membranes on SUNDIALS IDA: one driver for every discretization."""

@@ -1,0 +1,174 @@
+"""What a flow leaves behind: a row for every accepted step, shapes along the way, how it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from pearlbvp.flow.problem import Array, FlowProblem
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COLUMNS = ("t", "E", "lambda1", "lambda2", "area_error", "volume_error", "velocity", "v", "amplitude", "r_min", "r_max")
+
+Status = Literal[
+    "steady",
+    "saddle",
+    "time",
+    "pinch",
+    "overhang",
+    "unresolved",
+    "stalled",
+    "steps",
+    "seconds",
+    "interrupted",
+]
+
+MOST_FRAMES = 400
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A shape on the way.
+
+    Attributes:
+        t: when.
+        problem, q: its discretization and coordinates.
+    """
+
+    t: float
+    problem: Any
+    q: Array
+
+
+@dataclass
+class Record:
+    """Rows of all accepted steps, and shapes at some of them, thinned out evenly when they become many.
+
+    Attributes:
+        start: area and volume that the flow started with.
+        rows: named as ``COLUMNS``.
+        frames: shapes, the first and the last among them.
+    """
+
+    start: tuple[float, float]
+    rows: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in COLUMNS})
+    frames: list[Frame] = field(default_factory=list)
+
+    def add(self, t: float, problem: FlowProblem, q: Array, multipliers: Array, velocity: float) -> dict[str, float]:
+        """Write down a step; returns its observables."""
+        found = problem.observables(q, multipliers)
+        area, volume = self.start
+        row = found | {
+            "t": t, "velocity": velocity, "area_error": found["area"] / area - 1,
+            "volume_error": found["volume"] / volume - 1,
+        }  # fmt: skip
+        for name, values in self.rows.items():
+            values.append(row[name])
+        if len(self.frames) >= MOST_FRAMES:
+            self.frames[:] = self.frames[::2]
+        self.frames.append(Frame(t, problem, q.copy()))
+        return found
+
+    def copy(self) -> Record:
+        """A record that can grow by itself."""
+        return Record(self.start, {name: list(values) for name, values in self.rows.items()}, list(self.frames))
+
+    def table(self) -> pd.DataFrame:
+        """A row for every accepted step, with the columns ``COLUMNS``."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows)
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """The steady state that Newton's method finds from a flow's last shape.
+
+    Attributes:
+        problem, q, multipliers: the shape.
+        converged: whether it is one; else it is the flow's last shape.
+        growth_rates: the largest, in the space of the discretization, rigid motions left out.
+        message: empty, or why Newton's method failed.
+    """
+
+    problem: Any
+    q: Array
+    multipliers: Array
+    converged: bool
+    growth_rates: Array
+    message: str = ""
+
+    @property
+    def stable(self) -> bool:
+        """Whether no perturbation in the discretization's space grows."""
+        return bool(self.growth_rates[0] < NEUTRAL)
+
+    @property
+    def observables(self) -> Mapping[str, float]:
+        """As the problem has them."""
+        found: Mapping[str, float] = self.problem.observables(self.q, self.multipliers)
+        return found
+
+
+NEUTRAL = 1e-7
+"""Growth rates of this size are zero to the accuracy of a polished steady state."""
+
+
+@dataclass(frozen=True)
+class FlowState:
+    """Everything that a flow needs to go on.
+
+    Attributes:
+        problem: the discretization at this time.
+        t: time.
+        q, rate, multipliers: coordinates, their rates, multipliers.
+        kept: values of the constraints that the flow keeps.
+        record: all that came before.
+    """
+
+    problem: Any
+    t: float
+    q: Array
+    rate: Array
+    multipliers: Array
+    kept: Array
+    record: Record
+
+
+@dataclass(frozen=True)
+class FlowResult:
+    """How a flow went.
+
+    Attributes:
+        state: the last one, whatever happened.
+        status: ``steady`` (velocity and spectrum say so), ``saddle`` (at rest on an unstable shape), ``time``, ``pinch``,
+            ``overhang``, ``unresolved`` (no more points to be had), ``stalled``, ``steps``, ``seconds``, ``interrupted``.
+        reason: one line for a reader: what happened, when, where.
+        advice: what to try, or empty.
+        equilibrium: the polished end state, where the flow came to rest.
+    """
+
+    state: FlowState
+    status: Status
+    reason: str
+    advice: str = ""
+    equilibrium: Equilibrium | None = None
+
+    def table(self) -> pd.DataFrame:
+        """A row for every accepted step."""
+        return self.state.record.table()
+
+    @property
+    def complete(self) -> bool:
+        """Whether the flow ended as flows should: at rest on a stable shape, or at the time asked for."""
+        return self.status in ("steady", "time")
+
+    def largest_rise(self) -> float:
+        """Largest rise of the energy from one step to the next, relative to the energy."""
+        energy = np.array(self.state.record.rows["E"])
+        return float((np.diff(energy, prepend=energy[0]) / np.abs(energy).max()).max())

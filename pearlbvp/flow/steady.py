@@ -1,0 +1,67 @@
+"""The end of a flow: Newton's method from its last shape, and the spectrum there."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import bmat, issparse
+from scipy.sparse.linalg import splu
+
+from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.flow.record import Equilibrium
+from pearlbvp.newton import NewtonOptions, newton
+
+FARTHEST = 0.1
+"""Change of the coordinates, relative to them, beyond which Newton's method has left for another equilibrium."""
+
+
+def polished(problem: FlowProblem, q: Array, multipliers: Array, kept: Array) -> Equilibrium:
+    """The equilibrium near a shape with the same constraints, and its largest growth rates.
+
+    Rigid motions leave a family of equilibria: each gets a multiplier, which is zero at a solution, and a phase condition.
+
+    Args:
+        problem: the flow.
+        q, multipliers: its last shape.
+        kept: values of the constraints.
+    """
+    form, start = problem.equilibrium(q, multipliers)
+    size, k = len(q), len(start)
+    kept = np.append(kept, form.constraints(q)[len(kept) :])  # the volume that the H^-1 flow kept by itself
+    motions = _independent(form.kernels(q), 1e-9 * float(np.linalg.norm(q)))
+    still = np.zeros(size)
+
+    def residual(u: Array) -> Array:
+        shape, forces, drags = u[:size], u[size : size + k], u[size + k :]
+        balance = form.residual(shape, still, forces) + drags @ motions
+        return np.concatenate((balance, form.constraints(shape) - kept, motions @ (shape - q)))
+
+    def correct(u: Array, f: Array) -> Array:
+        shape = u[:size]
+        border = np.hstack((form.columns(shape), motions.T))
+        rows = np.vstack((form.constraint_rows(shape), motions))
+        inner = form.jacobian(shape, still, u[size : size + k], 0.0)
+        if issparse(inner):  # borders inside: a few times only, and without them the rigid motions make it singular
+            return np.asarray(splu(bmat([[inner, border], [rows, None]], format="csc")).solve(f))
+        corner = np.zeros((border.shape[1],) * 2)
+        return np.asarray(np.linalg.solve(np.block([[inner, border], [rows, corner]]), f))
+
+    found = newton(
+        residual, correct, np.concatenate((q, start, np.zeros(len(motions)))), NewtonOptions(tolerance=1e-15)
+    )
+    shape, forces = found.u[:size], found.u[size : size + k]
+    near = found.converged and float(np.abs(shape - q).max()) < FARTHEST * float(np.abs(q).max())
+    if not near:
+        shape, forces = q, start
+    rates = form.growth_rates(shape, forces)[0]
+    message = found.message if not found.converged else "" if near else "Newton's method left for another equilibrium"
+    return Equilibrium(form, shape, forces, near, rates, message)
+
+
+def _independent(motions: Array, smallest: float) -> Array:
+    """An orthonormal basis of some vectors: those that move nothing dropped, and, on a helix, a shift that is a turn."""
+    norms = np.linalg.norm(motions, axis=1)
+    units = motions[norms > smallest] / norms[norms > smallest, None]
+    if not len(units):
+        return units
+    _, singular, vectors = np.linalg.svd(units, full_matrices=False)
+    return np.asarray(vectors[singular > 1e-4])

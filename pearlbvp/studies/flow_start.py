@@ -1,0 +1,256 @@
+"""Shapes that flows start from: points of branches, in a flow's coordinates, and perturbed."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from pearlbvp.collocation import PiecewisePolynomial
+from pearlbvp.collocation.scheme import Array
+from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.path import PathEnd, Point
+from pearlbvp.continuation.segment import Segment
+from pearlbvp.errors import InputError
+from pearlbvp.flow.axisymmetric import GraphFlow
+from pearlbvp.flow.driver import FlowOptions, constrained, flow
+from pearlbvp.flow.perturbation import along_critical, bump
+from pearlbvp.flow.problem import Law
+from pearlbvp.flow.record import FlowResult
+from pearlbvp.flow.steady import polished
+from pearlbvp.flow.tube import TubeFlow
+from pearlbvp.helfrich import Tube, finite
+from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.stability.profile import Profile
+from pearlbvp.tube.problem import TubeProblem
+
+SAMPLES = {
+    ("pearl", 0.0, 10.0, "A2"): ("lambda2", -3.165),
+    ("coil", 0.0, 10.0, "B"): ("lambda2", 1.387),
+    ("buckle", 0.0, 10.0, "C"): ("lambda2", 1.29),
+}
+"""Samples of the paper's branches by family, ``c0``, ``L`` and name (Table ptab1)."""
+
+UNLIKE = 1e-5
+"""Relative difference of the energies of a branch's shape and of the flow's, beyond which the modes are too few."""
+
+Perturbation = Literal["none", "bump", "critical"]
+
+
+@dataclass(frozen=True)
+class FlowStart:
+    """An equilibrium in a flow's coordinates.
+
+    Attributes:
+        problem: the semi-discrete flow.
+        q, multipliers: the shape, as exact an equilibrium of the discretization as Newton's method makes it.
+    """
+
+    problem: Any
+    q: Array
+    multipliers: Array
+
+    def perturbed(
+        self, kind: Perturbation, delta: float, *, xi: float = 1.0, centre: float = 0.0, keep: bool = False
+    ) -> Array:
+        """The shape perturbed as the paper does it.
+
+        Args:
+            kind: ``bump`` (eq. (flp1)), ``critical`` (eq. (flp2): along the most unstable vector) or ``none``.
+            delta: size, in radii; a negative bump moves the surface outwards.
+            xi, centre: of the bump.
+            keep: move the perturbed shape back to the area and volume it had before.
+
+        Raises:
+            InputError: an argument that cannot be used, or the surface closes.
+        """
+        if kind not in get_args(Perturbation):
+            raise InputError(f"perturb: {kind!r} is none of {', '.join(get_args(Perturbation))}")
+        delta = finite("delta", delta)
+        if kind == "none":
+            return self.q
+        if kind == "bump":
+            q = bump(self.problem, self.q, delta, xi, centre)
+        else:
+            q = along_critical(self.problem, self.q, self.multipliers, delta)[0]
+        return constrained(self.problem, q, self.problem.constraints(self.q)) if keep else q
+
+    def flow(self, q: Array, options: FlowOptions | None = None) -> FlowResult:
+        """The flow from a shape on."""
+        return flow(self.problem, q, options)
+
+
+def radii_at(profile: Profile, x: Array) -> Array:
+    """Radius of a profile that is a graph over its axis, at axial positions counted from its first point.
+
+    Raises:
+        InputError: the profile overhangs.
+    """
+    whole = profile.mirrored()
+    if np.cos(whole.states.values[:, 1]).min() <= 0:
+        raise InputError(
+            "point: its shape overhangs, so it is no graph over its axis; choose one nearer to the cylinder"
+        )
+    along = PiecewisePolynomial(whole.states.mesh, profile.outline()[0][:, None])
+    targets = np.mod(x, profile.period)
+    sigma = np.interp(targets, profile.outline()[0], whole.states.points)
+    for _ in range(30):
+        step = (along(sigma)[:, 0] - targets) / (whole.arclength * np.cos(whole.states(sigma)[:, 1]))
+        sigma = np.clip(sigma - step, 0.0, 1.0)
+        if np.abs(step).max() < 1e-14:
+            break
+    return whole.states(sigma)[:, 0]
+
+
+def pearl_start(problem: PearlProblem, u: Array, *, points: int = 128, law: Law = "area and volume") -> FlowStart:
+    """Pearls of a branch, on the whole tube, as a graph that can flow; the first point of the profile is at ``x = 0``.
+
+    Args:
+        problem, u: a point of a branch of pearls.
+        points: on the whole tube, to begin with; more are taken where the shape needs them.
+        law: what the flow keeps.
+
+    Raises:
+        InputError: the shape overhangs or cannot be resolved, or an argument cannot be used.
+    """
+    found = problem.observables(u)
+    graph = GraphFlow(found["c0"], found["L"], points, law, found["lambda2"] if law == "area" else 0.0)
+    profile = problem.profile(u)
+    while True:
+        q = graph.coordinates(radii_at(profile, graph.x))
+        if graph.resolution(q) < graph.wanted_resolution:
+            break
+        finer = graph.refined(q)
+        if finer is None:
+            raise InputError(f"point: {graph.points} points do not resolve its shape; choose one with a thicker neck")
+        graph = finer[0]
+    multipliers = np.array([found["lambda1"], found["lambda2"]][: len(graph.constraints(q))])
+    return FlowStart(graph, q, multipliers)
+
+
+def profile_start(
+    c0: float,
+    length: float,
+    x: Array,
+    r: Array,
+    *,
+    points: int = 128,
+    law: Law = "area and volume",
+    pressure: float = 0.0,
+) -> tuple[GraphFlow, Array]:
+    """Any axisymmetric graph, given by radii at some places, as a flow and its coordinates; no equilibrium is asked for.
+
+    Args:
+        c0, length: the tube's.
+        x, r: places within one period, in growing order, and radii there; a periodic cubic spline goes through them.
+        points: of the flow.
+        law, pressure: what the flow keeps, and the pressure difference where that is the area alone.
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+    tube = Tube(c0, length)
+    x, r = np.asarray(x, dtype=float), np.asarray(r, dtype=float)
+    if x.ndim != 1 or x.shape != r.shape or len(x) < 4 or not (np.isfinite(x).all() and np.isfinite(r).all()):
+        raise InputError("profile: give four or more places x and as many radii r, all finite")
+    if np.diff(x).min() <= 0 or x[-1] - x[0] > tube.length:
+        raise InputError(f"profile: x must grow, within one period of {tube.length:g}")
+    if r.min() <= 0:
+        raise InputError(f"profile: the radius {r.min():g} at x = {x[r.argmin()]:g} must be positive")
+    if x[-1] - x[0] == tube.length and r[-1] != r[0]:
+        raise InputError(f"profile: its ends are one period apart, so r = {r[0]:g} and {r[-1]:g} must be the same")
+    closed = x[-1] - x[0] == tube.length
+    if not closed:
+        x, r = np.append(x, x[0] + tube.length), np.append(r, r[0])
+    spline = CubicSpline(x, r, bc_type="periodic")
+    graph = GraphFlow(tube.c0, tube.length, points, law, pressure)
+    return graph, graph.coordinates(spline(graph.x))
+
+
+def tube_start(
+    problem: TubeProblem, u: Array, *, size: tuple[int, int] = (12, 12), law: Law = "area and volume"
+) -> FlowStart:
+    """A ring, coil or buckle of a branch among modes without symmetry, polished there.
+
+    Args:
+        problem, u: a point of a branch of tubes.
+        size: largest wave numbers along and around.
+        law: what the flow keeps.
+
+    Raises:
+        InputError: so few modes hold no such equilibrium, or an argument cannot be used.
+    """
+    found = problem.observables(u)
+    tube = TubeFlow(problem.c0, problem.length, size, law, found["lambda2"] if law == "area" else 0.0)
+    q = tube.coordinates(problem.modes, problem.coefficients(u), problem.k, problem.kappa)
+    return _settled(tube, q, found)
+
+
+def pearl_tube_start(
+    problem: PearlProblem, u: Array, *, size: tuple[int, int] = (24, 6), law: Law = "area and volume"
+) -> FlowStart:
+    """Pearls of a branch among the modes of tubes without symmetry; see ``tube_start``."""
+    found = problem.observables(u)
+    tube = TubeFlow(found["c0"], found["L"], size, law, found["lambda2"] if law == "area" else 0.0)
+    x = (np.arange(16 * size[0]) / (16 * size[0]) - 0.5) * tube.length
+    return _settled(tube, tube.of_radii(x, radii_at(problem.profile(u), x)), found)
+
+
+def _settled(tube: TubeFlow, q: Array, found: Mapping[str, float]) -> FlowStart:
+    kept = np.array([1.0, found["v"] / 2])[: 2 if tube.law == "area and volume" else 1]
+    multipliers = np.array([found["lambda1"], found["lambda2"]])[: len(kept)]
+    there = polished(tube, q, multipliers, kept)
+    if not there.converged or abs(there.observables["E"] - found["E"]) > UNLIKE * found["E"]:
+        raise InputError(f"size: {tube.size[0]} x {tube.size[1]} modes do not hold a branch's shape; take more")
+    return FlowStart(tube, there.q, there.multipliers)
+
+
+def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
+    """A point of a branch.
+
+    Args:
+        branch: of pearls, rings, coils or buckles.
+        name: its number (negative: from the end), or ``NAME=VALUE`` for the first place where a column has a value, or one
+            of the paper's names (``SAMPLES``).
+        family: of the branch.
+
+    Raises:
+        InputError: there is no such point.
+    """
+    points = [entry.point for entry in branch.points]
+    try:
+        number = int(name)
+    except ValueError:
+        pass
+    else:
+        if not -len(points) <= number < len(points):
+            raise InputError(f"point: the branch has points 0 to {len(points) - 1}, so there is no point {number}")
+        return points[number]
+    column, equals, text = name.partition("=")
+    if equals:
+        value = finite("point", text)  # type: ignore[arg-type]
+    else:
+        first = points[0].observables
+        known = {key[3]: found for key, found in SAMPLES.items() if key[:3] == (family, first["c0"], first["L"])}
+        if name not in known:
+            names = f" or one of {', '.join(known)}" if known else ""
+            raise InputError(f"point: {name!r} is no point of this branch; give its number, NAME=VALUE{names}")
+        column, value = known[name]
+    if column not in points[0].observables:
+        raise InputError(
+            f"point: {column!r} is no column of the branch; choose one of {', '.join(points[0].observables)}"
+        )
+    for before, after in itertools.pairwise(points):
+        ends = [point.observables[column] - value for point in (before, after)]
+        if ends[1] == 0:
+            return after
+        if ends[0] * ends[1] < 0:
+            try:
+                return Segment(before, after).root(lambda point: point.observables[column] - value, ends[0])
+            except PathEnd:
+                break
+    raise InputError(f"point: {column} = {value:g} is not reached on this branch; follow it further")

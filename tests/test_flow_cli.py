@@ -1,0 +1,136 @@
+"""``pearlbvp flow`` as its users meet it."""
+
+import io
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pearlbvp.cli import main
+from pearlbvp.studies.branch import branch_options, pearl_branch, save, switched
+
+COLUMNS = ["t", "E", "lambda1", "lambda2", "area_error", "volume_error", "velocity"]
+
+
+def run(capsys, *arguments):
+    """Exit status, standard output and standard error of a call in this process."""
+    with pytest.raises(SystemExit) as left:
+        main(list(arguments))
+    captured = capsys.readouterr()
+    said = [line for line in captured.err.splitlines(keepends=True) if not line.startswith("pearlbvp: compiling")]
+    return left.value.code, captured.out, "".join(said)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with a saved branch of two pearls of period 7.5."""
+    path = tmp_path_factory.mktemp("flows")
+    save(pearl_branch(0.48, 15, 2, branch_options({"v": 1.02})), path / "b.h5")
+    return path
+
+
+def test_a_flow_from_a_saved_branch_writes_everything(capsys, folder):
+    files = [folder / name for name in ("f.csv", "f.png", "f.gif", "f.h5")]
+    status, out, err = run(
+        capsys, "flow", "--from", str(folder / "b.h5"), "--point", "v=1.015", "--perturb", "critical", "--delta", "0.02",
+        "--keep", "--out", str(files[0]), "--plot", str(files[1]), "--movie", str(files[2]), "--save", str(files[3]),
+    )  # fmt: skip
+    assert (status, out) == (0, "")
+    assert "steady: at t = " in err
+    assert "n_unstable = 0" in err
+    table = pd.read_csv(files[0])
+    assert list(table.columns[:7]) == COLUMNS
+    localized = switched(pearl_branch(0.48, 15, 2, branch_options({"v": 1.015})), 1, branch_options({"v": 1.015}))
+    assert table["E"].iloc[-1] == pytest.approx(localized.points[-1].observables["E"], abs=1e-9)
+    assert files[1].read_bytes().startswith(b"\x89PNG\r\n")
+    assert files[2].read_bytes().startswith(b"GIF89a")
+    # Resumed, it rests at once.
+    status, out, err = run(capsys, "flow", "--resume", str(files[3]))
+    assert status == 0
+    assert len(pd.read_csv(io.StringIO(out))) <= len(table) + 10
+
+
+def test_a_tube_of_a_computed_branch(capsys, folder):
+    status, out, err = run(
+        capsys, "flow", "--family", "coil", "--c0", "0", "--length", "10", "--point", "B", "--perturb", "critical",
+        "--delta", "0.05", "--size", "6,4", "--time", "2.5", "--plot", str(folder / "coil.png"),
+    )  # fmt: skip
+    assert status == 0
+    assert "the time asked for" in err
+    table = pd.read_csv(io.StringIO(out))
+    assert table["t"].iloc[-1] == 2.5
+    assert table["E"].is_monotonic_decreasing
+
+
+def test_other_laws(capsys, folder):
+    ends = []
+    for law in ("diffusion", "area and volume"):
+        status, out, _ = run(
+            capsys,
+            "flow",
+            "--from",
+            str(folder / "b.h5"),
+            "--law",
+            law,
+            "--perturb",
+            "bump",
+            "--delta",
+            "-0.02",
+            "--centre",
+            "1",
+        )
+        assert status == 0
+        ends.append(pd.read_csv(io.StringIO(out)).iloc[-1])
+    assert ends[0]["E"] == pytest.approx(ends[1]["E"], abs=1e-9)
+    assert ends[0]["lambda2"] == pytest.approx(ends[1]["lambda2"], abs=1e-4)
+
+
+def test_a_profile_from_a_table(capsys, folder):
+    x = np.linspace(-5, 5, 41)
+    pd.DataFrame({"x": x, "r": 1 + 0.3 * np.cos(0.2 * np.pi * x)}).to_csv(folder / "p.csv", index=False)
+    status, out, _err = run(capsys, "flow", "--profile", str(folder / "p.csv"), "--c0", "0", "--length", "10")
+    assert status == 0
+    end = pd.read_csv(io.StringIO(out)).iloc[-1]
+    assert end["v"] == pytest.approx(1 + 0.3**2 / 2, abs=1e-5)  # of the spline through 41 points
+    scale = (1 + 0.3 * np.cos(0.2 * np.pi * x[:-1])) * np.hypot(1, 0.06 * np.pi * np.sin(0.2 * np.pi * x[:-1]))
+    area = scale.mean()
+    pearls = pearl_branch(0, 10 / area, 1, branch_options({"v": end["v"] / area**2})).points[-1].observables
+    assert end["E"] * area**2 == pytest.approx(pearls["E"], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (["--from", "none.h5"], "--from"),
+        (["--from", "{b}", "--c0", "0"], "--c0"),
+        (["--from", "{b}", "--point", "A2"], "point"),
+        (["--from", "{b}", "--point", "0"], "shape"),  # the straight tube
+        (["--from", "{b}", "--delta", "3"], "delta"),
+        (["--from", "{b}", "--out", "{b}"], "--out"),
+        (["--from", "{b}", "--save", "{b}"], "--save"),
+        (["--from", "{b}", "--velocity", "0"], "velocity"),
+        (["--resume", "{b}"], "resume"),
+        (["--c0", "0"], "--c0, --length"),
+        (["--resume", "{b}", "--delta", "0.1"], "--delta"),
+        (["--from", "{b}", "--size", "4,4"], "--size"),
+        (["--from", "{b}", "--tube", "--points", "64"], "--points"),
+        (["--from", "{b}", "--pressure", "1"], "--pressure"),
+        (["--from", "{b}", "--perturb", "critical", "--xi", "2"], "--xi"),
+        (["--from", "{b}", "--perturb", "none", "--keep"], "--keep"),
+        (["--from", "{b}", "--resume", "{b}"], "--from"),
+        (["--profile", "{b}"], "--profile"),
+        (["--profile", "{b}", "--c0", "0", "--length", "10"], "--profile"),
+        (["--profile", "{bad}", "--c0", "0", "--length", "10"], "profile"),
+        (["--c0", "0", "--length", "10"], "--point"),
+        (["--family", "buckle", "--c0", "0", "--length", "10", "--point", "v=0.97", "--size", "2,2"], "size"),
+        (["--family", "coil", "--c0", "0", "--length", "10", "--point", "v=0.97", "--law", "diffusion"], "law"),
+    ],
+)
+def test_mistakes_are_one_line(capsys, folder, arguments, name):
+    pd.DataFrame({"x": [0.0, 1.0, 2.0, 3.0], "r": [1.0, 1.0, -1.0, 1.0]}).to_csv(folder / "bad.csv", index=False)
+    arguments = [a.replace("{bad}", str(folder / "bad.csv")) for a in arguments]
+    perturb = ["--perturb", "none"] if arguments[-1] == "0" else []
+    status, out, err = run(capsys, "flow", *(a.replace("{b}", str(folder / "b.h5")) for a in arguments), *perturb)
+    assert (status, out) == (2, "")
+    assert err.startswith(f"pearlbvp: {name}: ")
+    assert err.count("\n") == 1
