@@ -54,6 +54,13 @@ def kind_of(branch: Branch[Any]) -> str:
     return str(branch.points[-1].point.problem.kind)
 
 
+def family_of(branch: Branch[Any]) -> str:
+    """``pearl``, ``ring``, ``coil`` (and what branches off from coils) or ``buckle`` (and all other tubes)."""
+    if kind_of(branch) != "tube":
+        return kind_of(branch)
+    return "coil" if branch.points[-1].point.problem.symmetry.turns else "buckle"
+
+
 def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     """A branch continued from its last point; that and what follows as one branch.
 
