@@ -240,7 +240,7 @@ def _start(
         point = "-1"
     at = chosen(branch, point, family)
     if family != "pearl":
-        problem, u = reduced(at)[:2] if at.problem.kind == "ring" else (at.problem, at.u)
+        problem, u = reduced(at)[:2] if at.problem.stored_as == "ring" else (at.problem, at.u)
         start = tube_start(problem, u, size=size, law=law)
     elif tube:
         start = pearl_tube_start(at.problem, at.u, size=size, law=law)

@@ -51,7 +51,7 @@ def load(path: str | os.PathLike[str]) -> Branch[Any]:
 
 def kind_of(branch: Branch[Any]) -> str:
     """``pearl``, ``ring`` or ``tube`` (coils, buckles, and what branches off from those and from rings)."""
-    return str(branch.points[-1].point.problem.kind)
+    return str(branch.points[-1].point.problem.stored_as)
 
 
 def family_of(branch: Branch[Any]) -> str:
