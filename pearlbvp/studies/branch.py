@@ -182,6 +182,7 @@ def varied(
         raise InputError(f"keep: {keep!r} cannot be kept; choose v or lambda2")
     if not -len(branch.points) <= index < len(branch.points):
         raise InputError(f"point: the branch has points 0 to {len(branch.points) - 1}, so there is no point {index}")
+    index %= len(branch.points)
     point = branch.points[index].point
     if point.observables["amplitude"] < 1e-9:
         raise InputError(f"point: point {index} is the cylinder, where branches cross; choose a point further on")
@@ -193,7 +194,8 @@ def varied(
         tangent = tangent_along(problem, u, direction)
     except np.linalg.LinAlgError:
         raise InputError(f"vary: {vary} turns just at point {index}; start from a point beside it") from None
-    return continue_branch(start_point(problem, u, tangent), replace(options, folds=(vary, *options.folds)))
+    options = replace(options, folds=(vary, *options.folds))
+    return continue_branch(start_point(problem, u, tangent), options, at_bifurcation="bp" in branch.kinds(index))
 
 
 def _varying(branch: Branch[Any], vary: str) -> str:
