@@ -46,14 +46,18 @@ def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarra
     return np.array(xs), np.array(ys)
 
 
+def _of_shapes(problem: Any) -> Any:
+    """The problem of a branch's shapes: of a curve in two parameters, the one that it is a curve on."""
+    return getattr(problem, "base", problem)
+
+
 def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
     """Outlines of some shapes along a branch, one period each, above one another."""
     chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
     height = 2.5 * max(branch.points[i].observables["r_max"] for i in chosen)
     for place, index in enumerate(chosen):
         point = branch.points[index].point
-        problem = getattr(point.problem, "base", point.problem)  # of a curve in two parameters: the shapes' own
-        profile = problem.profile(point.u)
+        profile = _of_shapes(point.problem).profile(point.u)
         x, r = profile.outline()
         colour = COLOURS[0] if branch.points[index].spectrum.n_unstable == 0 else COLOURS[1]
         for side in (1, -1):
@@ -71,8 +75,10 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
     for place, index in enumerate(chosen):
         point = branch.points[index].point
         colour = COLOURS[0] if branch.points[index].spectrum.n_unstable == 0 else COLOURS[1]
-        for x in np.arange(4) / 4 * point.problem.wavelength:
-            y, z = point.problem.section(point.u, x)
+        problem = _of_shapes(point.problem)
+        wavelength = problem.wavelength / problem.length * point.observables["L"]
+        for x in np.arange(4) / 4 * wavelength:
+            y, z = problem.section(point.u, x)
             axes.plot(y + place * width, z, color=colour, linewidth=1.0, alpha=0.7)
         label = f"point {index}\nv = {point.observables['v']:.4f}"
         axes.text(place * width, -0.75 * width, label, ha="center", va="center", fontsize=8)
@@ -98,7 +104,7 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Fi
     for place, (x, y) in zip(axes.ravel(), pairs, strict=False):
         draw_curve(place, table, x, y, COLOURS[0])
         dress(place, names[x], names[y], title if place is axes[0, 0] else "")
-    if hasattr(branch.points[0].point.problem, "section"):
+    if hasattr(_of_shapes(branch.points[0].point.problem), "section"):
         draw_sections(axes[1, 1], branch)
         dress(axes[1, 1], "y (radii), shapes beside one another", "", "sections: stable blue, unstable brown")
     else:

@@ -67,11 +67,8 @@ def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     Raises:
         InputError: nothing can follow.
     """
-    kind = kind_of(branch)
-    if kind == "ring":
+    if kind_of(branch) == "ring":
         return rings.ring_resumed(branch, options)
-    if kind == "tube":
-        options = tubes.tube_options(options)
     whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
     at_bifurcation = len(branch.points) == 1
     return branch.extended(continue_branch(branch.points[-1].point, whole, at_bifurcation=at_bifurcation))
