@@ -13,6 +13,7 @@ ROOMS = [
     "studies",
     "shapes",
     "tube",
+    "mesh",
     "stability",
     "theory",
     "continuation",
