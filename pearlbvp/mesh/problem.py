@@ -26,6 +26,7 @@ from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.sections import radii
+from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.mesh.spectrum import Fixed, MeshBlock, MeshSpectrum, independent, leading
 
 PINS = 16
@@ -176,26 +177,29 @@ class MeshProblem:
 
     def remesh(self, u: Array, *others: Array) -> tuple[MeshProblem, list[Array]] | None:
         """The problem about the surface itself on an adapted mesh, where the reference no longer fits; else None."""
-        surface = self.surface(u)
-        tilt = np.einsum("ix,ix->i", vertex_normals(self.mesh.moved(self.vertices(u))), self.directions).min()
-        options = measured(self.adapt, self.mesh)
+        surface, options = self.surface(u), measured(self.adapt, self.mesh)
+        vertices, count = self.vertices(u), self.mesh.count
         poor = needs_adaptation(surface, options)
+        tilt = np.einsum("ix,ix->i", vertex_normals(self.mesh.moved(vertices)), self.directions).min()
         if not poor and tilt > options.steepest:
             return None
-        samples = self._samples(u)
-        if poor:
-            surface = adapted(surface, samples, options)
-            options = satisfied(options, surface)
+        fields = [vector[:count, None] * self.directions for vector in others]
+        if poor and self.kind == "subdivision" and surface.areas.max() > options.largest * options.area:
+            mesh, matrix = subdivided(self.mesh.moved(vertices))
+            fields, options = [matrix @ field for field in fields], satisfied(options, mesh)
         else:
-            surface = spread_out(surface, samples, options.spreading)
-        mesh = surface.moved(Functional(surface, self.kind).vertices_near(surface.vertices))
+            samples = self._samples(u)
+            if poor and self.kind == "cotangent":
+                surface = adapted(surface, samples, options)
+            else:
+                surface = spread_out(surface, samples, options.spreading)
+            options = satisfied(options, surface)
+            mesh = surface.moved(Functional(surface, self.kind).vertices_near(surface.vertices))
+            fields = [samples.field(surface.vertices, field) for field in fields]
         problem, moved = about(mesh, self.c0, u[-3:], self.kind, fixed=self.fixed, adapt=options)
-        normals = vertex_normals(surface)
-        slopes = np.einsum("ix,ix->i", problem.directions, normals)
         vectors = [moved]
-        for vector in others:
-            field = samples.field(surface.vertices, vector[: self.mesh.count, None] * self.directions)
-            along = np.einsum("ix,ix->i", field, normals) / slopes
+        for vector, field in zip(others, fields, strict=True):
+            along = np.einsum("ix,ix->i", field, problem.directions)
             vectors.append(np.concatenate((along, np.zeros(len(problem.phases)), vector[-3:])))
         return problem, vectors
 

@@ -120,6 +120,14 @@ def _ring_weights(valence: Integers) -> Array:
     return np.asarray((0.625 - (0.375 + np.cos(2 * math.pi / valence) / 4) ** 2) / valence)
 
 
+def subdivided(mesh: PeriodicMesh) -> tuple[PeriodicMesh, sparse.csr_matrix]:
+    """Four triangles for one, of the same limit surface, and the new vertices' matrix by the old, shape (V', V)."""
+    fine, matrix, offsets = refined(topology(mesh))
+    vertices = matrix @ mesh.vertices
+    vertices[:, 0] += mesh.length * offsets
+    return PeriodicMesh(vertices, fine.triangles, fine.wraps, mesh.length), matrix
+
+
 def _limit(mesh: Topology) -> tuple[sparse.csr_matrix, Array]:
     """Where subdivision takes each vertex: matrix by the vertices, shape (V, V), and shifts along ``x`` in periods."""
     tail, head = mesh.triangles.ravel(), np.roll(mesh.triangles, -1, axis=1).ravel()
