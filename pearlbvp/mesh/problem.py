@@ -26,8 +26,8 @@ from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.sections import radii
-from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.mesh.spectrum import Fixed, MeshBlock, MeshSpectrum, independent, leading
+from pearlbvp.mesh.subdivision import subdivided
 
 PINS = 16
 """Vertices held in the factorization: more than there are near kernels, few enough to cost nothing."""
@@ -186,7 +186,7 @@ class MeshProblem:
         fields = [vector[:count, None] * self.directions for vector in others]
         if poor and self.kind == "subdivision" and surface.areas.max() > options.largest * options.area:
             mesh, matrix = subdivided(self.mesh.moved(vertices))
-            fields, options = [matrix @ field for field in fields], satisfied(options, mesh)
+            fields, options = [matrix @ moves for moves in fields], satisfied(options, mesh)
         else:
             samples = self._samples(u)
             if poor and self.kind == "cotangent":
@@ -195,11 +195,11 @@ class MeshProblem:
                 surface = spread_out(surface, samples, options.spreading)
             options = satisfied(options, surface)
             mesh = surface.moved(Functional(surface, self.kind).vertices_near(surface.vertices))
-            fields = [samples.field(surface.vertices, field) for field in fields]
+            fields = [samples.field(surface.vertices, moves) for moves in fields]
         problem, moved = about(mesh, self.c0, u[-3:], self.kind, fixed=self.fixed, adapt=options)
         vectors = [moved]
-        for vector, field in zip(others, fields, strict=True):
-            along = np.einsum("ix,ix->i", field, problem.directions)
+        for vector, moves in zip(others, fields, strict=True):
+            along = np.einsum("ix,ix->i", moves, problem.directions)
             vectors.append(np.concatenate((along, np.zeros(len(problem.phases)), vector[-3:])))
         return problem, vectors
 

@@ -20,6 +20,9 @@ from pearlbvp.mesh.periodic import Array, Integers
 
 Fixed = Literal["area and volume", "area"]
 
+NEUTRAL = 1e-9
+"""Growth rates of this size are zero to the accuracy of the arithmetic."""
+
 SMOOTH = 20.0
 """Growth rates, in size, of displacements that count as smooth."""
 
@@ -52,8 +55,8 @@ class MeshSpectrum:
 
     @property
     def n_unstable(self) -> int:
-        """Dimension of the unstable space."""
-        return sum(block.multiplicity * int((rates > 0).sum()) for block, rates in self.rates.items())
+        """Dimension of the unstable space; at a branch point its neutral perturbations are not counted."""
+        return sum(block.multiplicity * int((rates > NEUTRAL).sum()) for block, rates in self.rates.items())
 
     @property
     def critical(self) -> MeshBlock:
