@@ -17,6 +17,8 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
 
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.edits import apart, collapsed, flipped, may_collapse, split
@@ -35,7 +37,7 @@ class AdaptOptions:
         worst: quality beyond which triangles are collapsed or flipped (the paper takes 8).
         smallest: triangles are collapsed only below this share of the largest one's area.
         rounds: of splits, collapses and flips at most.
-        spreading: of the vertices along the surface, steps after each change.
+        spreading: steps in which vertices spread out along the surface after all changes.
         most: vertices beyond which nothing is refined.
         steepest: cosine of the angle between directions and normals below which the surface becomes the reference.
     """
@@ -45,9 +47,9 @@ class AdaptOptions:
     worst: float = 12.0
     smallest: float = 1 / 3
     rounds: int = 8
-    spreading: int = 5
+    spreading: int = 3
     most: int = 20000
-    steepest: float = 0.85
+    steepest: float = 0.95
 
     def to_tree(self) -> dict[str, Any]:
         """Everything as numbers, to be saved."""
@@ -136,19 +138,41 @@ def _after_next(h: Any) -> Any:
 
 
 def spread_out(mesh: PeriodicMesh, samples: Samples, steps: int) -> PeriodicMesh:
-    """Vertices moved along the surface, each halfway to the mean of its neighbours: smooth meshes for smooth surfaces."""
-    valence = np.bincount(mesh.tail, minlength=mesh.count)
+    """Vertices moved along the surface to where equal springs along all edges are at rest: smooth, all but equilateral.
+
+    Each step solves for displacements in the tangent planes, two a vertex; the surface's curvature is left to the next.
+    """
+    edges = mesh.edges
+    i, j = mesh.tail[edges], mesh.head[edges]
+    ones = np.ones(len(edges))
+    graph = sparse.coo_matrix(
+        (np.concatenate((ones, ones, -ones, -ones)), (np.concatenate((i, j, i, j)), np.concatenate((i, j, j, i))))
+    ).tocsr()
+    size = 2 * mesh.count
     for _ in range(steps):
-        mean = np.column_stack(
-            [np.bincount(mesh.tail, mesh.edge_vectors[:, x], minlength=mesh.count) / valence for x in range(3)]
-        )
         normals = vertex_normals(mesh)
-        along = mean - np.einsum("ix,ix->i", mean, normals)[:, None] * normals
+        across = np.cross(normals, np.eye(3)[np.argmin(np.abs(normals), axis=1)])
+        across /= np.linalg.norm(across, axis=1)[:, None]
+        bases = np.stack((across, np.cross(normals, across)))  # (2, V, 3)
+        tangents = sparse.hstack(
+            [sparse.vstack([sparse.diags(bases[a, :, x]) for x in range(3)]) for a in range(2)], format="csr"
+        )
+        springs = tangents.T @ sparse.block_diag([graph] * 3) @ tangents + SLIDING * sparse.eye(size)
+        pulls = np.column_stack(
+            [np.bincount(mesh.tail, mesh.edge_vectors[:, x], minlength=mesh.count) for x in range(3)]
+        )
+        moves = splu(
+            springs.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, relax=1, options={"SymmetricMode": True}
+        ).solve(tangents.T @ pulls.T.ravel())
         try:
-            mesh = mesh.moved(samples.project(mesh.vertices + along / 2))
+            mesh = mesh.moved(samples.project(mesh.vertices + (tangents @ moves).reshape(3, -1).T))
         except InputError:
             return mesh
     return mesh
+
+
+SLIDING = 1e-3
+"""Stiffness against the mesh sliding along the tube or turning about it as a whole, which no spring resists."""
 
 
 def measured(options: AdaptOptions, mesh: PeriodicMesh) -> AdaptOptions:

@@ -84,7 +84,7 @@ def read_mesh(path: str | os.PathLike[str], length: float) -> PeriodicMesh:
         AssertionError,
     ) as error:
         raise InputError(
-            f"mesh: {path} cannot be read as {kind.upper()} ({str(error) or "cut off"}); export it again"
+            f"mesh: {path} cannot be read as {kind.upper()} ({str(error) or 'cut off'}); export it again"
         ) from None
     blocks = [np.asarray(block.data) for block in found.cells if block.type == "triangle"]
     others = sorted({block.type for block in found.cells} - {"triangle", "vertex", "line"})

@@ -130,7 +130,7 @@ def leading(
 
     operator = LinearOperator((size, size), matvec=inverse, dtype=np.float64)
     start = inverse(mass @ np.random.default_rng(0).standard_normal(size))
-    wanted = unstable + count
+    wanted = min(unstable + count, size // 2)
     while True:
         try:
             values, vectors = eigsh(second, wanted, mass, sigma=0.0, OPinv=operator, v0=start, tol=1e-10)
@@ -140,4 +140,4 @@ def leading(
         rates = -values[order]
         if (rates > 0).sum() >= unstable or wanted >= size // 2:
             return rates, vectors[:, order], unstable
-        wanted *= 2
+        wanted = min(2 * wanted, size // 2)
