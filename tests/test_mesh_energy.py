@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pearlbvp.mesh.adaptation import smoothed
 from pearlbvp.mesh.bordered import Pinned, spread
 from pearlbvp.mesh.families import jittered, tube_mesh
 from pearlbvp.mesh.functional import Functional
@@ -148,6 +149,17 @@ def test_cotangents_converge_on_jittered_meshes_too():
     for nodes in (1000, 3000):
         errors.append(branch_point(jittered(tube_mesh(L, nodes), 0.1), 0.0, 1, 0, "cotangent")[1][-2] - exact)
     assert 0 < errors[1] < 0.6 * errors[0] < 0.6 * 0.01
+
+
+def test_smoothed_meshes_are_all_but_as_good_as_structured_ones():
+    """Subdivision surfaces do not converge on jittered meshes; springs along the edges give them back what they need."""
+    exact = critical_lambda2(2 * np.pi / L, 1, 0.0)
+    mesh = tube_mesh(L, 700)
+    structured, rough_one, again = (
+        abs(branch_point(some, 0.0, 1, 1)[1][-2] - exact)
+        for some in (mesh, jittered(mesh, 0.02), smoothed(jittered(mesh, 0.1)))
+    )
+    assert again < 2 * structured < 0.1 * rough_one
 
 
 def test_pinned_elimination_with_borders():

@@ -171,6 +171,11 @@ def spread_out(mesh: PeriodicMesh, samples: Samples, steps: int) -> PeriodicMesh
     return mesh
 
 
+def smoothed(mesh: PeriodicMesh, steps: int = 3) -> PeriodicMesh:
+    """A rough mesh, read from a file say, with its vertices spread out along the surface: as subdivision surfaces need it."""
+    return spread_out(mesh, Samples.of(mesh), steps)
+
+
 SLIDING = 1e-3
 """Stiffness against the mesh sliding along the tube or turning about it as a whole, which no spring resists."""
 

@@ -20,7 +20,7 @@ from pearlbvp.theory.dispersion import critical_lambda2
 
 Form = Literal["pearl", "ring", "coil", "buckle"]
 
-APART = 0.05
+APART = 0.2
 """Distance in ``lambda2`` on both sides of a branch point at which the straight tube is solved for: it is singular there."""
 
 NEWTON = NewtonOptions(max_iterations=20)
