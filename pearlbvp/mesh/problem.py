@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from pearlbvp.continuation.path import correct
 from pearlbvp.mesh.adaptation import AdaptOptions, adapted, measured, needs_adaptation, satisfied, spread_out
 from pearlbvp.mesh.bordered import Pinned, spread
 from pearlbvp.mesh.functional import Functional, Kind, Sums
@@ -28,6 +29,7 @@ from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.sections import radii
 from pearlbvp.mesh.spectrum import Fixed, MeshBlock, MeshSpectrum, independent, leading
 from pearlbvp.mesh.subdivision import subdivided
+from pearlbvp.newton import NewtonOptions
 
 PINS = 16
 """Vertices held in the factorization: more than there are near kernels, few enough to cost nothing."""
@@ -197,7 +199,11 @@ class MeshProblem:
             mesh = surface.moved(Functional(surface, self.kind).vertices_near(surface.vertices))
             fields = [samples.field(surface.vertices, moves) for moves in fields]
         problem, moved = about(mesh, self.c0, u[-3:], self.kind, fixed=self.fixed, adapt=options)
-        vectors = [moved]
+        same_volume = np.zeros_like(moved)
+        same_volume[-1] = 1.0
+        settled, _ = correct(problem, moved, same_volume, moved, 0.0, NewtonOptions(max_iterations=20, damping=4))
+        # Along the branch, the new mesh's error would move the point; so it does only where v turns.
+        vectors = [settled.u if settled.converged else moved]
         for vector, moves in zip(others, fields, strict=True):
             along = np.einsum("ix,ix->i", moves, problem.directions)
             vectors.append(np.concatenate((along, np.zeros(len(problem.phases)), vector[-3:])))
