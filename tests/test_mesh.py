@@ -191,6 +191,10 @@ def _no_period(a):
     a["length"] = -1.0
 
 
+def _closed(a):
+    a["wraps"] = 0 * a["wraps"]
+
+
 def _two_tubes(a):
     count = len(a["vertices"])
     a["vertices"] = np.vstack((a["vertices"], a["vertices"] + [0, 5, 0]))
@@ -210,6 +214,7 @@ def _two_tubes(a):
         (_beyond, "triangles: triangle 2 has corners"),
         (_period, "length: the edge from vertex .* spans"),
         (_no_period, "length: the period -1"),
+        (_closed, "wraps: no edge"),
         (_two_tubes, "vertices: vertex .* cannot be reached"),
     ],
 )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from pearlbvp.continuation.branch import BranchPoint, continue_branch, start_point
+from pearlbvp.continuation.branch import BranchPoint
 from pearlbvp.continuation.path import Point
 from pearlbvp.errors import InputError
 from pearlbvp.figures.mesh import draw_mesh
@@ -18,7 +18,7 @@ from pearlbvp.mesh.files import joined, read_mesh, write_mesh
 from pearlbvp.mesh.problem import about
 from pearlbvp.mesh.start import onset, solved, straight
 from pearlbvp.studies.branch import branch_options
-from pearlbvp.studies.mesh import load, mesh_branch, meshed, save
+from pearlbvp.studies.mesh import branch_from, load, mesh_branch, meshed, save
 from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.theory.dispersion import growth_rate
@@ -184,16 +184,27 @@ def test_adaptation_by_edits(pearl):
 
 def test_branches_go_on_through_adaptation():
     """Pearls with cotangents, the mesh edited on the way: the branch stays that of the profile, to the mesh's accuracy."""
-    problem, u, direction = onset(Tube(0.0, L), "pearl", 1, 0, tube_mesh(L, 700), "cotangent")
-    problem = replace(problem, adapt=AdaptOptions(largest=1.3, worst=8.0))
-    options = replace(branch_options({"v": 1.05}), limit=lambda point: None)
-    branch = continue_branch(start_point(problem, u, direction), options, at_bifurcation=True)
+    branch = mesh_branch(
+        0.0, L, "pearl", (1, 0), 700, branch_options({"v": 1.05}), kind="cotangent",
+        adapt=AdaptOptions(largest=1.3, worst=8.0),
+    )  # fmt: skip
     assert branch.complete, branch.reason
     assert len({entry.point.problem.mesh.count for entry in branch.points}) > 1
     assert [entry.spectrum.n_unstable for entry in branch.points[1:]] == [0] * (len(branch.points) - 1)
     spectral, w = at(path(0.0, L, 1.2), "v", 1.05)
     for name in COMPARED:
         assert branch.points[-1].observables[name] == pytest.approx(spectral.observables(w)[name], rel=0.03)
+
+
+def test_branches_go_on_from_a_meshed_shape(pearl):
+    """Both ways from a computed pearl, against the profile's branch at another volume."""
+    problem, u = meshed(point_of(*pearl), 500)
+    for v, upwards in ((1.2, True), (1.18, False)):
+        branch = branch_from(problem, u, branch_options({"v": v}), upwards=upwards)
+        assert branch.complete, branch.reason
+        spectral, w = at(path(0.0, L, 1.2), "v", v)
+        for name in COMPARED:
+            assert branch.points[-1].observables[name] == pytest.approx(spectral.observables(w)[name], rel=1e-3)
 
 
 def test_saved_branches_come_back(mesh_coil, tmp_path):

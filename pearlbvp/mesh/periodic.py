@@ -238,6 +238,10 @@ def _check_topology(mesh: PeriodicMesh) -> None:
         raise InputError(
             f"vertices: vertex {_first(parts != parts[0])} cannot be reached from vertex 0; give one tube, not {number}"
         )
+    if not mesh.shift.any():
+        raise InputError(
+            f"wraps: no edge of the {len(mesh.edges)} leads into the next period, so the surface is closed; give a tube"
+        )
     if (euler := mesh.count - len(mesh.edges) + len(triangles)) != 0:
         raise InputError(
             f"triangles: their Euler characteristic is {euler}, that of a periodic tube is 0; mesh one tube"

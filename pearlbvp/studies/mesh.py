@@ -18,6 +18,7 @@ from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.files import writable, write_whole
 from pearlbvp.helfrich import Tube
+from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.families import Surface, tube_mesh
 from pearlbvp.mesh.functional import Kind
 from pearlbvp.mesh.problem import MeshProblem
@@ -43,6 +44,7 @@ def mesh_branch(
     options: BranchOptions | None = None,
     *,
     kind: Kind = "subdivision",
+    adapt: AdaptOptions | None = None,
 ) -> Branch[MeshProblem]:
     """The branch that leaves the straight tube at a mode, on a triangulated surface, with stability.
 
@@ -54,6 +56,7 @@ def mesh_branch(
         nodes: vertices of the mesh at first.
         options: where to stop and how to step, from ``studies.branch.branch_options``.
         kind: the discretization.
+        adapt: when and how the mesh is adapted on the way.
 
     Returns:
         The branch; its table has the columns of a branch of pearls.
@@ -63,6 +66,7 @@ def mesh_branch(
     """
     tube = Tube(c0, length)
     problem, u, direction = onset(tube, family, *mode, tube_mesh(tube.length, nodes), kind)
+    problem = replace(problem, adapt=adapt or AdaptOptions())
     options = replace(options or branch_options(), limit=_limit)
     return continue_branch(start_point(problem, u, direction), options, at_bifurcation=True)
 
