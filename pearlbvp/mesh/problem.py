@@ -38,6 +38,10 @@ RATES = 6
 """Growth rates computed besides the positive ones."""
 
 
+NEUTRAL_TOGETHER = 1e-4
+"""Growth rates at a branch point that vanish together, up to how well it was located and its symmetry is kept."""
+
+
 @dataclass(frozen=True)
 class MeshProblem:
     """Equilibria near a reference mesh: ``residual(u) = 0`` is a curve.
@@ -228,13 +232,37 @@ class MeshProblem:
         return np.concatenate((along, np.zeros(len(self.phases)), u[-3:]))
 
     def embed(self, block: MeshBlock, centre: str, *vectors: Array) -> tuple[MeshProblem, list[Array]]:
-        """The problem itself: a mesh holds every perturbation."""
-        return self, list(vectors)
+        """The problem with phase conditions that leave one neutral displacement of several.
+
+        Where a symmetry breaks that shifts or turns the surface along itself, neutral displacements come in twos or fours,
+        shifted and turned. The one that is largest in the middle of the period is left, the others become phase conditions.
+
+        Args:
+            block: the one block there is.
+            centre: not used; the middle of the period is the centre.
+            vectors: the solution at a branch point first, then others.
+        """
+        u = vectors[0]
+        rates, modes, _ = self.modes(u)
+        neutral = modes[:, np.abs(rates) < NEUTRAL_TOGETHER]
+        mass, _ = self.functional.normal_mass(self.vertices(u), self.directions)
+        at_centre = neutral[self._middle]
+        if neutral.shape[1] < 2 or not at_centre.any():
+            return self, list(vectors)
+        others = np.linalg.svd(at_centre[None])[2][1:]  # combinations that vanish there
+        phases = np.vstack((self.phases, others @ (mass @ neutral).T))
+        found, count, more = replace(self, phases=phases), self.mesh.count + len(self.phases), np.zeros(len(others))
+        return found, [np.concatenate((vector[:count], more, vector[-3:])) for vector in vectors]
+
+    @property
+    def _middle(self) -> int:
+        """The vertex nearest to the middle of the period, at ``phi = 0``."""
+        x, y = self.mesh.vertices[:, 0], self.mesh.vertices[:, 1]
+        return int(np.argmin((x % self.length - self.length / 2) ** 2 + (y - y.max()) ** 2))
 
     def grows_at_centre(self, direction: Array) -> bool:
         """Whether the tube grows at the vertex nearest to the middle of the period."""
-        middle = int(np.argmin(np.abs(self.mesh.vertices[:, 0] - self.length / 2)))
-        return bool(direction[middle] > 0)
+        return bool(direction[self._middle] > 0)
 
     def to_tree(self) -> dict[str, Any]:
         """Everything as arrays, numbers and words, to be saved."""

@@ -14,7 +14,7 @@ from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
 from pearlbvp.continuation.storage import read_branch, write_branch
-from pearlbvp.continuation.switching import tangent_along
+from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.files import writable, write_whole
 from pearlbvp.helfrich import Tube
@@ -98,6 +98,28 @@ def branch_from(
     direction[-1] = 1.0 if upwards else -1.0
     start = start_point(problem, u, tangent_along(problem, u, direction))
     return continue_branch(start, replace(options, limit=_limit))
+
+
+def switched(
+    branch: Branch[MeshProblem], number: int, options: BranchOptions, *, grow: bool = True
+) -> Branch[MeshProblem]:
+    """The branch that crosses ``branch`` at its branch point ``number`` (the first is 1).
+
+    Args:
+        branch: a branch on meshes.
+        number: which of its branch points; those that shift or turn into each other come in twos, and lead to one branch.
+        options: where to stop and how to step.
+        grow: follow the half on which the tube grows in the middle of the period.
+
+    Raises:
+        InputError: there is no such branch point, or it was not located.
+    """
+    found = branch.find("bp")
+    if not 1 <= number <= len(found):
+        raise InputError(f"switch: the branch has {len(found)} branch points, so there is none of number {number}")
+    if not found[number - 1].converged:
+        raise InputError(f"switch: branch point {number} was not located; follow the branch in shorter steps")
+    return switch(branch, found[number - 1], replace(options, limit=_limit), grow=grow)
 
 
 def _limit(point: BranchPoint[MeshProblem]) -> str | None:
