@@ -18,7 +18,7 @@ from pearlbvp.mesh.files import joined, read_mesh, write_mesh
 from pearlbvp.mesh.problem import about
 from pearlbvp.mesh.start import onset, solved, straight
 from pearlbvp.studies.branch import branch_options
-from pearlbvp.studies.mesh import branch_from, load, mesh_branch, meshed, save
+from pearlbvp.studies.mesh import branch_from, load, mesh_branch, meshed, save, switched
 from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.theory.dispersion import growth_rate
@@ -205,6 +205,36 @@ def test_branches_go_on_from_a_meshed_shape(pearl):
         spectral, w = at(path(0.0, L, 1.2), "v", v)
         for name in COMPARED:
             assert branch.points[-1].observables[name] == pytest.approx(spectral.observables(w)[name], rel=1e-3)
+
+
+def test_switching_to_modulated_rings():
+    """Where rings become unstable to waves along the tube, shapes branch off that no other family has.
+
+    They leave in twos, shifted along the tube; the branch has a phase condition against that, keeps
+    ``-2 d(E/A)/dv = lambda2``, and lies below the rings.
+    """
+    rings = mesh_branch(0.0, L, "ring", (0, 2), 250, branch_options({"v": 0.948}))
+    place = rings.find("bp")[0].index
+    assert rings.points[-1].spectrum.n_unstable == rings.points[place - 1].spectrum.n_unstable + 2
+    branch = switched(rings, 1, branch_options(max_points=4, step=0.05))
+    assert len(branch.points) >= 3, branch.reason
+    last = branch.points[-1]
+    assert np.ptp(centres_radius(last.point)) > 0.02
+    assert np.abs(last.point.problem.multipliers(last.point.u)).max() < 1e-5
+    v, energy, pressure = (np.array([e.observables[name] for e in branch.points]) for name in ("v", "E", "lambda2"))
+    slope = -2 * np.diff(energy[1:]) / np.diff(v[1:])  # the first step leads to another reference, with another error
+    np.testing.assert_allclose(slope, (pressure[2:] + pressure[1:-1]) / 2, rtol=3e-3)
+    start, end = rings.points[place].observables, rings.points[-1].observables
+    ring_energy = np.interp(v[-1], [end["v"], start["v"]], [end["E"], start["E"]])
+    assert end["v"] < v[-1] < start["v"]
+    assert energy[-1] < ring_energy
+
+
+def centres_radius(point):
+    """Largest distance from the axis in the rows along the tube."""
+    vertices = point.problem.points(point.u)
+    rows = np.round(point.problem.mesh.vertices[:, 0] * 2).astype(int)
+    return [np.hypot(vertices[rows == row, 1], vertices[rows == row, 2]).max() for row in np.unique(rows)]
 
 
 def test_saved_branches_come_back(mesh_coil, tmp_path):

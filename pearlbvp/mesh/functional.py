@@ -45,6 +45,14 @@ class Functional:
     mesh: PeriodicMesh
     kind: Kind = "subdivision"
 
+    def on(self, mesh: PeriodicMesh) -> Functional:
+        """The same discretization on another mesh; what depends on the triangles only is kept where they are the same."""
+        other = Functional(mesh, self.kind)
+        if mesh.triangles is self.mesh.triangles and mesh.wraps is self.mesh.wraps:
+            kept = ("_patches", "_stars", "_groups", "_pattern", "_limit")
+            other.__dict__.update({name: self.__dict__[name] for name in kept if name in self.__dict__})
+        return other
+
     @cached_property
     def _patches(self) -> Patches:
         return patches(self.mesh)

@@ -214,12 +214,14 @@ def limit_sums(X, directions, start, index, weights, offsets, weight, c0, lambda
                 for term in range(size):
                     HJ[k, term] += factor * J[m, term]
         for term in range(size):
-            for other in range(size):
+            for other in range(term, size):
                 value = 0.0
                 for k in range(18):
                     value += J[k, term] * HJ[k, other]
-                data[place[position]] += value
-                position += 1
+                data[place[position + term * size + other]] += value
+                if other > term:
+                    data[place[position + other * size + term]] += value
+        position += size * size
     return values, gradients
 
 

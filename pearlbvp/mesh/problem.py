@@ -200,9 +200,10 @@ class MeshProblem:
             else:
                 surface = spread_out(surface, samples, options.spreading)
             options = satisfied(options, surface)
-            mesh = surface.moved(Functional(surface, self.kind).vertices_near(surface.vertices))
+            mesh = surface.moved(self.functional.on(surface).vertices_near(surface.vertices))
             fields = [samples.field(surface.vertices, moves) for moves in fields]
-        problem, moved = about(mesh, self.c0, u[-3:], self.kind, fixed=self.fixed, adapt=options)
+        functional = self.functional.on(mesh)
+        problem, moved = about(mesh, self.c0, u[-3:], self.kind, functional, fixed=self.fixed, adapt=options)
         same_volume = np.zeros_like(moved)
         same_volume[-1] = 1.0
         settled, _ = correct(problem, moved, same_volume, moved, 0.0, NewtonOptions(max_iterations=20, damping=4))
@@ -287,7 +288,12 @@ def phase_rows(problem: MeshProblem, u: Array) -> Array:
 
 
 def about(
-    mesh: PeriodicMesh, c0: float, parameters: Array, kind: Kind = "subdivision", **others: Any
+    mesh: PeriodicMesh,
+    c0: float,
+    parameters: Array,
+    kind: Kind = "subdivision",
+    functional: Functional | None = None,
+    **others: Any,
 ) -> tuple[MeshProblem, Array]:
     """The problem about a mesh, with phase conditions against the rigid motions that move it, and its unknown there.
 
@@ -296,9 +302,11 @@ def about(
         c0: spontaneous curvature.
         parameters: ``lambda1, lambda2, v``.
         kind: the discretization.
+        functional: that on the mesh, where there is one already.
         others: further attributes of the problem.
     """
     problem = MeshProblem(mesh, np.zeros((0, mesh.count)), c0, kind, **others)
+    problem.__dict__["functional"] = functional or Functional(mesh, kind)
     return with_phases(problem, np.concatenate((np.zeros(mesh.count), parameters)))
 
 

@@ -57,15 +57,20 @@ def equilibrium(
     Raises:
         InputError: none is found.
     """
-    mesh = mesh.moved(Functional(mesh, kind).vertices_near(mesh.vertices))
-    problem, guess = about(mesh, c0, np.array([lambda1, lambda2, v]), kind, **others)
+    functional = Functional(mesh, kind)
+    mesh = mesh.moved(functional.vertices_near(mesh.vertices))
+    problem, guess = about(mesh, c0, np.array([lambda1, lambda2, v]), kind, functional.on(mesh), **others)
     return problem, solved(problem, guess)
 
 
-def straight(mesh: PeriodicMesh, c0: float, lambda2: float, kind: Kind = "subdivision") -> tuple[MeshProblem, Array]:
+def straight(
+    mesh: PeriodicMesh, c0: float, lambda2: float, kind: Kind = "subdivision", functional: Functional | None = None
+) -> tuple[MeshProblem, Array]:
     """The discrete straight tube of a given ``lambda2`` on a mesh with vertices on the unit cylinder."""
-    mesh = mesh.moved(Functional(mesh, kind).vertices_near(mesh.vertices))
-    problem, guess = about(mesh, c0, np.array([cylinder_lambda1(lambda2, c0), lambda2, 1.0]), kind)
+    functional = functional or Functional(mesh, kind)
+    mesh = mesh.moved(functional.vertices_near(mesh.vertices))
+    parameters = np.array([cylinder_lambda1(lambda2, c0), lambda2, 1.0])
+    problem, guess = about(mesh, c0, parameters, kind, functional.on(mesh))
     return problem, solved(problem, guess, "lambda2")
 
 
@@ -103,7 +108,8 @@ def branch_point(
     near = float(critical_lambda2(2 * math.pi * m / mesh.length, n, c0))
     if not math.isfinite(near):
         raise InputError(f"mode: {m, n} branches off nowhere; give another mode")
-    sides = [straight(mesh, c0, near + side, kind) for side in (-APART, APART)]
+    functional = Functional(mesh, kind)
+    sides = [straight(mesh, c0, near + side, kind, functional) for side in (-APART, APART)]
     low, high = (mode_rate(problem, u, m, n) for problem, u in sides)
     share = low / (low - high)
     problem = sides[0][0]
