@@ -24,6 +24,7 @@ def draw_mesh(
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
+    from matplotlib.ticker import MaxNLocator
 
     surface = surface.reduced()
     if values is None:
@@ -38,8 +39,10 @@ def draw_mesh(
     )
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low, zoom=1.3)  # type: ignore[call-arg]
+    axes.set_box_aspect(high - low, zoom=1.2)  # type: ignore[call-arg]
     axes.set(xlabel="x", ylabel="y", zlabel="z", title=title)
+    for axis in (axes.yaxis, axes.zaxis):  # type: ignore[attr-defined]
+        axis.set_major_locator(MaxNLocator(3))
     axes.view_init(elev=20, azim=-70)  # type: ignore[attr-defined]
     figure.colorbar(colours, cax=figure.add_axes((0.88, 0.2, 0.02, 0.6)), label=label)
     return figure
