@@ -6,6 +6,7 @@ from typing import Any
 
 from pearlbvp.continuation.branch import BranchPoint
 from pearlbvp.continuation.two_parameters import CurveOnSurface
+from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.tube.problem import TubeProblem
 
 THINNEST_NECK = 4e-3
@@ -19,10 +20,18 @@ RESOLVED_TUBE = 1e-6
 
 
 def limit(point: BranchPoint[Any]) -> str | None:
-    """Why a branch of pearls, or of tubes in reduced modes, or a curve of such in two parameters, ends at a point, or None."""
+    """Why a branch of pearls, tubes or meshes, or a curve in two parameters, ends at a point, or None."""
     problem = point.point.problem
     base = problem.base if isinstance(problem, CurveOnSurface) else problem
-    return _tube_limit(base, point) if isinstance(base, TubeProblem) else _pearl_limit(point)
+    if isinstance(base, TubeProblem):
+        return _tube_limit(base, point)
+    return _mesh_limit(point) if isinstance(base, MeshProblem) else _pearl_limit(point)
+
+
+def _mesh_limit(point: BranchPoint[Any]) -> str | None:
+    if not point.spectrum.complete:
+        return "not all unstable perturbations were found; take a finer mesh"
+    return None
 
 
 def _pearl_limit(point: BranchPoint[Any]) -> str | None:
