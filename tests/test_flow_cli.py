@@ -7,7 +7,9 @@ import pandas as pd
 import pytest
 
 from pearlbvp.cli import main
-from pearlbvp.studies.branch import branch_options, pearl_branch, save, switched
+from pearlbvp.studies.branch import branch_options, pearl_branch, switched
+from pearlbvp.studies.saved import save
+from pearlbvp.studies.tube import tube_branch
 
 COLUMNS = ["t", "E", "lambda1", "lambda2", "area_error", "volume_error", "velocity"]
 
@@ -134,3 +136,16 @@ def test_mistakes_are_one_line(capsys, folder, arguments, name):
     assert (status, out) == (2, "")
     assert err.startswith(f"pearlbvp: {name}: ")
     assert err.count("\n") == 1
+
+
+def test_a_saved_coil_flows_back(capsys, tmp_path):
+    """From a file of tubes, perturbed out of its symmetry: a stable coil is where the flow comes to rest again."""
+    branch = tube_branch(0.0, 10.0, "coil", (1, 1), branch_options({"v": 0.95}))
+    save(branch, tmp_path / "c.h5")
+    options = ["--point", "v=0.95", "--delta", "-0.05", "--size", "8,8", "--keep", "--time", "5"]
+    status, out, err = run(capsys, "flow", "--from", str(tmp_path / "c.h5"), *options)
+    assert status == 0, err
+    table = pd.read_csv(io.StringIO(out))
+    assert table.t.iloc[-1] == pytest.approx(5.0)
+    assert (table.E.diff().dropna() <= 1e-12).all()
+    assert table.E.iloc[-1] == pytest.approx(branch.points[-1].observables["E"], rel=1e-4)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from graphs import Graphs, all_waves
 from scipy.linalg import eigh, null_space
+from sums import second_variation
 from test_amplitude import graphs_of
 
 from pearlbvp.continuation.path import correct
@@ -285,16 +286,8 @@ def test_the_spectrum_of_a_mixed_tube_is_that_of_all_modes_at_once(between):
     basis = Basis.of(modes, problem.k, problem.kappa, x, phi)
     known = problem.known(u)
     state = basis.state(np.array([known.get(mode, 0.0) for mode in modes]))
-    hessian = hessians(state, problem.c0, u[-3])
-    hessian[:, 3, 3] += u[-2]
-    second = np.einsum("kin,kij,kjm->nm", basis.fields, hessian, basis.fields, optimize=True) / len(x)
-    a0, a1, b0, b1 = state[:4]
-    moved = basis.displacement()
-    normal = -moved[:, 0] * b1[:, None] + moved[:, 1] * b0[:, None]
-    root = np.sqrt(b0**2 + b1**2 + (a0 * b1 - a1 * b0) ** 2)
-    mass = normal.T @ (normal / root[:, None]) / len(x)
-    area = np.einsum("jk,kjn->n", gradients(state, problem.c0)[1][1], basis.fields)
-    allowed = null_space(np.array([area / np.linalg.norm(area), (state[3] @ basis.fields[:, 3]) / len(x)]))
+    second, mass, constraints = second_variation(basis, state, problem.c0, u[-3], u[-2])
+    allowed = null_space(constraints / np.linalg.norm(constraints, axis=1)[:, None])
     rates = -eigh(allowed.T @ second @ allowed, allowed.T @ mass @ allowed, eigvals_only=True)[:16]
     rates = rates[np.abs(rates) > 2e-5]  # without the rigid motions
     spectrum = problem.spectrum(u)

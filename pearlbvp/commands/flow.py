@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     "pearlbvp flow --family buckle --c0 0 --length 10 --point C --perturb critical --delta 0.3 --plot c.png  |  "
     "pearlbvp flow --resume f.h5 --time 100"
 )
-@click.option("--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of pearls.")
+@click.option(
+    "--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of any family."
+)
 @click.option("--family", type=click.Choice(["pearl", "ring", "coil", "buckle"]), default="pearl", show_default=True,
               help="Without --from: the branch that is followed to --point NAME=VALUE.")  # fmt: skip
 @click.option("--c0", type=Number(), help="Without --from: spontaneous curvature.")
@@ -77,8 +79,15 @@ def flow(
     v, amplitude, r_min, r_max; a row for every accepted step. How the flow ends goes to standard error.
     """
     from pearlbvp.files import writable, write_whole
+    from pearlbvp.studies import saved
 
-    _refuse_idle(_given(click.get_current_context()), start)
+    given, branch = _given(click.get_current_context()), None
+    if source is not None:
+        if not source.is_file():
+            raise InputError(f"--from: there is no file {source}; give one that pearlbvp branch --save wrote")
+        branch = saved.load(source)
+        start["family"] = saved.family_of(branch) if "family" not in given else start["family"]
+    _refuse_idle(given, start)
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
     movie = None if movie is None else writable("--movie", movie)
@@ -116,7 +125,7 @@ def flow(
             if until is not None and until <= state.t:
                 raise InputError(f"--time: the saved flow is at t = {state.t:g} already; give a later time")
         else:
-            state = beginning(*_start(source, **start))
+            state = beginning(*_start(branch, **start))
         result = resumed(state, FlowOptions(**settings))
     if save is not None:
         study.save(result.state, save)
@@ -194,13 +203,14 @@ def _say_stability(study: Any, end: Any) -> None:
 
 
 def _start(
-    source: Path | None, *, family: str, c0: float | None, length: float | None, mode: tuple[int, int] | None, point: str,
+    branch: Any, *, family: str, c0: float | None, length: float | None, mode: tuple[int, int] | None, point: str,
     perturb: Any, delta: float, xi: float, centre: float, keep: bool, law: Any, tube: bool, points: int,
     size: tuple[int, int], profile: Path | None, pressure: float,
 ) -> tuple[Any, Any]:  # fmt: skip
     """Problem and coordinates of the start."""
     from pearlbvp.studies import branch as branches
     from pearlbvp.studies.flow_start import SAMPLES, chosen, pearl_start, pearl_tube_start, profile_start, tube_start
+    from pearlbvp.studies.ring import reduced
     from pearlbvp.studies.tube import tube_branch
 
     if profile is not None:
@@ -208,12 +218,7 @@ def _start(
             raise InputError("--profile: it goes with --c0 and --length; give both")
         x, r = _profile(profile)
         return profile_start(c0, length, x, r, points=points, law=law, pressure=pressure)
-    branch: Any
-    if source is not None:
-        if not source.is_file():
-            raise InputError(f"--from: there is no file {source}; give one that pearlbvp branch --save wrote")
-        branch = branches.load(source)
-    else:
+    if branch is None:
         if c0 is None or length is None:
             raise InputError("--c0, --length: give both, or a saved branch with --from")
         name, equals, value = point.partition("=")
@@ -235,7 +240,8 @@ def _start(
         point = "-1"
     at = chosen(branch, point, family)
     if family != "pearl":
-        start = tube_start(at.problem, at.u, size=size, law=law)
+        problem, u = reduced(at)[:2] if at.problem.stored_as == "ring" else (at.problem, at.u)
+        start = tube_start(problem, u, size=size, law=law)
     elif tube:
         start = pearl_tube_start(at.problem, at.u, size=size, law=law)
     else:

@@ -25,15 +25,15 @@ def write_branch(branch: Branch[Any], path: Path) -> None:
     """Write a branch into a new file."""
     with h5py.File(path, "w") as file:
         file.attrs.update({"format": FORMAT, "version": VERSION, "reason": branch.reason, "complete": branch.complete})
-        kind: Any = branch.points[0].point.problem
-        file.attrs["kind"] = kind.kind
+        problem: Any = branch.points[0].point.problem
+        file.attrs["kind"] = problem.stored_as
         numbers: dict[int, int] = {}
         problems, points = file.create_group("problems"), file.create_group("points")
         for index, entry in enumerate(branch.points):
             point = entry.point
             if id(point.problem) not in numbers:
                 numbers[id(point.problem)] = len(numbers)
-                problem: Any = point.problem
+                problem = point.problem
                 _write_tree(problems.create_group(str(len(numbers) - 1)), problem.to_tree())
             group = points.create_group(str(index))
             group["u"], group["tangent"] = point.u, point.tangent

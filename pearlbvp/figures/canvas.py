@@ -22,7 +22,7 @@ def new_figure(
     figure = Figure(figsize=(width, height), dpi=130)
     axes = figure.subplots(rows, columns, **options)
     figure.subplots_adjust(
-        left=0.85 / width, right=1 - 0.15 / width, bottom=0.55 / height, top=1 - 0.35 / height, wspace=0.3, hspace=0.25
+        left=1.0 / width, right=1 - 0.15 / width, bottom=0.55 / height, top=1 - 0.35 / height, wspace=0.3, hspace=0.25
     )
     return figure, axes
 

@@ -51,7 +51,7 @@ class PearlProblem:
         fixed: what perturbations keep, for stability.
     """
 
-    kind: ClassVar[str] = "pearl"
+    stored_as: ClassVar[str] = "pearl"
 
     discretization: Discretization
     reference: PiecewisePolynomial | None

@@ -103,7 +103,7 @@ class RingProblem:
         fixed: what perturbations keep, for stability.
     """
 
-    kind: ClassVar[str] = "ring"
+    stored_as: ClassVar[str] = "ring"
 
     discretization: Discretization
     n: int

@@ -51,7 +51,14 @@ def load(path: str | os.PathLike[str]) -> Branch[Any]:
 
 def kind_of(branch: Branch[Any]) -> str:
     """``pearl``, ``ring`` or ``tube`` (coils, buckles, and what branches off from those and from rings)."""
-    return str(branch.points[-1].point.problem.kind)
+    return str(branch.points[-1].point.problem.stored_as)
+
+
+def family_of(branch: Branch[Any]) -> str:
+    """``pearl``, ``ring``, ``coil`` (and what branches off from coils) or ``buckle`` (and all other tubes)."""
+    if kind_of(branch) != "tube":
+        return kind_of(branch)
+    return "coil" if branch.points[-1].point.problem.symmetry.turns else "buckle"
 
 
 def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:

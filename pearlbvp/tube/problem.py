@@ -47,7 +47,7 @@ class TubeProblem:
         fixed: what perturbations keep, for stability.
     """
 
-    kind: ClassVar[str] = "tube"
+    stored_as: ClassVar[str] = "tube"
 
     symmetry: TubeSymmetry
     c0: float
