@@ -32,15 +32,17 @@ def surface_of(point: Any) -> Surface:
         point = point.point
     problem = getattr(point.problem, "base", point.problem)  # of a curve in two parameters: the shapes' own
     if hasattr(problem, "surface"):  # reduced modes
-        length = problem.length
-        surface: Surface = problem.surface(point.u, np.linspace(0, length, max(2, round(8 * length)) + 1), 72)
-        return surface
+        x = np.linspace(0, problem.length, max(2, round(6 * problem.length)) + 1)
+        pieces = [
+            problem.surface(point.u, part, 64) for part in np.array_split(x, max(1, len(x) // 10))
+        ]  # bounded memory
+        x, y, z = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+        return x, y, z
     profile = problem.profile(point.u)
     if hasattr(profile, "curve"):  # a ring: the same section everywhere
-        surface = profile.surface(problem.length, along=round(4 * problem.length) + 1)
-        return surface
-    x, y, z = profile.surface()
-    return repeated((x, y, z), profile.period, max(1, round(point.observables["L"] / profile.period)))
+        x, y, z = profile.surface(problem.length, along=round(4 * problem.length) + 1, around=97)
+        return x, y, z
+    return repeated(profile.surface(), profile.period, max(1, round(point.observables["L"] / profile.period)))
 
 
 def repeated(surface: Surface, period: float, count: int) -> Surface:
@@ -51,7 +53,9 @@ def repeated(surface: Surface, period: float, count: int) -> Surface:
     return along, across[0], across[1]
 
 
-def show_surface(axes: Any, surface: Surface, half_length: float, extent: float, colour: str = PLAIN) -> None:
+def show_surface(
+    axes: Any, surface: Surface, half_length: float, extent: float, colour: str = PLAIN, zoom: float = 1.9
+) -> None:
     """A tube seen from afar, lit from above, in a box of given size.
 
     Args:
@@ -59,6 +63,7 @@ def show_surface(axes: Any, surface: Surface, half_length: float, extent: float,
         surface: the tube; the middle of its length is put into the middle of the box.
         half_length, extent: half the size of the box along and across the axis.
         colour: of the surface.
+        zoom: how much larger than the axes' square the box is shown.
     """
     x, y, z = surface
     axes.clear()
@@ -69,7 +74,7 @@ def show_surface(axes: Any, surface: Surface, half_length: float, extent: float,
     drawn.set_clip_on(False)  # three-dimensional axes are square, tubes are not
     axes.set(xlim=(-half_length, half_length), ylim=(-extent, extent), zlim=(-extent, extent))
     axes.set_proj_type("ortho")
-    axes.set_box_aspect((2 * half_length, 2 * extent, 2 * extent), zoom=1.9)
+    axes.set_box_aspect((2 * half_length, 2 * extent, 2 * extent), zoom=zoom)
     axes.view_init(elev=20, azim=-60)
     axes.set_axis_off()
 
@@ -120,7 +125,9 @@ def place_surfaces(
         row, column = divmod(place, grid[1])
         corner = left + column * width, bottom + (grid[0] - 1 - row) * height
         axes = figure.add_axes((*corner, width, 0.92 * height), projection="3d")
-        show_surface(axes, surface, half_length, extent, colour_of(point))
+        # A box this large fills the width of its place.
+        zoom = 1.05 * (width * figure.get_figwidth()) / (0.92 * height * figure.get_figheight())
+        show_surface(axes, surface, half_length, extent, colour_of(point), zoom)
         axes.set_title(title, fontsize=8, y=0.98)
 
 

@@ -20,9 +20,11 @@ from pearlbvp.theory.dispersion import Mode
 if TYPE_CHECKING:
     import pandas as pd
 
-FAMILIES = ("pearl", "ring", "coil", "buckle")
 MIXED = "mixed"
 """What branches off from rings, coils and buckles, and from that again."""
+
+ENDS = {"pearl": 1.1, "ring": 0.85, "coil": 0.85, "buckle": 0.85, MIXED: 0.9}
+"""Reduced volume at which branches of a family end unless asked otherwise. Mixed ones need modes both ways, and many."""
 
 Options = BranchOptions | Mapping[str, BranchOptions] | None
 
@@ -71,8 +73,8 @@ def diagram(
         length: axial period of the tube.
         depth: 0 for branches from the cylinder only, 1 for those that cross them, and so on.
         options: where branches stop and how they step, from ``branch_options``: for all, or by family (``pearl, ring, coil,
-            buckle``, and ``mixed`` for what branches off the last three). By default pearls go to ``v = 1.1``, others down
-            to 0.85.
+            buckle``, and ``mixed`` for what branches off the last three). By default pearls go to ``v = 1.1``,
+            rings, coils and buckles down to 0.85, mixed ones to 0.9.
         progress: called with the name of each branch before it is followed.
         lambda2: follow every family that leaves the cylinder between these two values.
         modes: follow every family of these modes ``(m, n)``, wherever they begin. With neither, all pearls of ``k < 1``.
@@ -126,10 +128,10 @@ def diagram(
 
 def _by_family(options: Options) -> dict[str, BranchOptions]:
     """Options of every family."""
-    known = (*FAMILIES, MIXED)
+    known = tuple(ENDS)
     if isinstance(options, BranchOptions):
         return dict.fromkeys(known, options)
-    by_default = {name: branch_options({"v": 1.1 if name == "pearl" else 0.85}) for name in known}
+    by_default = {name: branch_options({"v": volume}) for name, volume in ENDS.items()}
     unknown = set(options or {}) - set(known)
     if unknown:
         raise InputError(f"options: {', '.join(sorted(unknown))} is no family; choose among {', '.join(known)}")
