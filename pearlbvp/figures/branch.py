@@ -9,8 +9,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.branch import Branch, BranchPoint
 from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+from pearlbvp.figures.surface import along, place_surfaces
 
 
 def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, label: str | None = None) -> None:
@@ -59,7 +60,7 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
         point = branch.points[index].point
         profile = _of_shapes(point.problem).profile(point.u)
         x, r = profile.outline()
-        colour = COLOURS[0] if branch.points[index].spectrum.n_unstable == 0 else COLOURS[1]
+        colour = _curve_colour(branch.points[index])
         for side in (1, -1):
             axes.plot(x, side * r - place * height, color=colour, linewidth=1.2)
         label = f"point {index}: v = {point.observables['v']:.4f}"
@@ -69,21 +70,19 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
 
 
 def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
-    """Cross-sections of some tubes along a branch, each at four places along a wave, side by side."""
-    chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
-    width = 2.8 * max(branch.points[i].observables["r_max"] for i in chosen)
-    for place, index in enumerate(chosen):
-        point = branch.points[index].point
-        colour = COLOURS[0] if branch.points[index].spectrum.n_unstable == 0 else COLOURS[1]
-        problem = _of_shapes(point.problem)
-        wavelength = problem.wavelength / problem.length * point.observables["L"]
-        for x in np.arange(4) / 4 * wavelength:
-            y, z = problem.section(point.u, x)
-            axes.plot(y + place * width, z, color=colour, linewidth=1.0, alpha=0.7)
-        label = f"point {index}\nv = {point.observables['v']:.4f}"
-        axes.text(place * width, -0.75 * width, label, ha="center", va="center", fontsize=8)
+    """Cross-sections of some rings along a branch, side by side."""
+    width = 2.8 * max(entry.observables["r_max"] for entry in along(branch, count))
+    for place, entry in enumerate(along(branch, count)):
+        y, z = _of_shapes(entry.point.problem).section(entry.point.u, 0.0)
+        axes.plot(y + place * width, z, color=_curve_colour(entry), linewidth=1.2)
+        label = f"v = {entry.observables['v']:.4f}"
+        axes.text(place * width, -0.65 * width, label, ha="center", va="center", fontsize=8)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_yticks([])
+
+
+def _curve_colour(entry: BranchPoint[Any]) -> str:
+    return COLOURS[0] if entry.spectrum.n_unstable == 0 else COLOURS[1]
 
 
 def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Figure:
@@ -104,9 +103,18 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Fi
     for place, (x, y) in zip(axes.ravel(), pairs, strict=False):
         draw_curve(place, table, x, y, COLOURS[0])
         dress(place, names[x], names[y], title if place is axes[0, 0] else "")
-    if hasattr(_of_shapes(branch.points[0].point.problem), "section"):
+    problem = _of_shapes(branch.points[0].point.problem)
+    if problem.stored_as == "tube":  # no single curve describes it
+        figure.delaxes(axes[1, 1])
+        points = along(branch)
+        titles = [f"v = {point.observables['v']:.4f}" for point in points]
+        place_surfaces(figure, (0.53, 0.02, 0.46, 0.42), points, titles, (2, 2))
+        figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize="medium")
+    elif problem.stored_as == "ring":
         draw_sections(axes[1, 1], branch)
         dress(axes[1, 1], "y (radii), shapes beside one another", "", "sections: stable blue, unstable brown")
+    elif problem.stored_as == "mesh":  # figures.mesh draws one at a time
+        figure.delaxes(axes[1, 1])
     else:
         draw_shapes(axes[1, 1], branch)
         dress(axes[1, 1], "axial position x (radii)", "", "shapes: stable blue, unstable brown")

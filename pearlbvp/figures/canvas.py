@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-COLOURS = ("#0b5394", "#c55a11", "#38761d", "#741b47", "#7f6000", "#444444")
+COLOURS = ("#0b5394", "#c55a11", "#38761d", "#741b47", "#7f6000", "#444444", "#2a8c8c", "#c2487e")
 """Dark enough for print, distinct without colour vision in this order."""
 
 
@@ -25,6 +25,11 @@ def new_figure(
         left=1.0 / width, right=1 - 0.15 / width, bottom=0.55 / height, top=1 - 0.35 / height, wspace=0.3, hspace=0.25
     )
     return figure, axes
+
+
+def new_blank(width: float, height: float) -> Figure:
+    """A figure without axes, of a size in inches."""
+    return Figure(figsize=(width, height), dpi=130)
 
 
 def dress(axes: Axes, xlabel: str, ylabel: str, title: str = "") -> None:

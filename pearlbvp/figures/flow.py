@@ -8,28 +8,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.animation import FuncAnimation, PillowWriter
-from matplotlib.colors import LightSource
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+from pearlbvp.figures.surface import show_surface
 from pearlbvp.flow.record import FlowResult, FlowState, Frame
 
 
 def draw_surface(axes: Any, frame: Frame, extent: float, along: int = 121, around: int = 37) -> None:
     """A shape seen from afar, lit from above, in a box of the same size for all frames."""
-    x, y, z = frame.problem.surface(frame.q, along, around)
-    axes.clear()
-    light = LightSource(azdeg=225, altdeg=50)
-    surface = axes.plot_surface(
-        x, y, z, rstride=1, cstride=1, color="#9db8d6", linewidth=0, antialiased=False, lightsource=light
-    )
-    surface.set_clip_on(False)  # three-dimensional axes are square, tubes are not
-    half = frame.problem.length / 2
-    axes.set(xlim=(-half, half), ylim=(-extent, extent), zlim=(-extent, extent))
-    axes.set_proj_type("ortho")
-    axes.set_box_aspect((2 * half, 2 * extent, 2 * extent), zoom=1.9)
-    axes.view_init(elev=20, azim=-60)
-    axes.set_axis_off()
+    show_surface(axes, frame.problem.surface(frame.q, along, around), frame.problem.length / 2, extent)
 
 
 def _extent(frames: list[Frame]) -> float:

@@ -1,20 +1,35 @@
-"""All branches of pearls that are reached from the cylinder, up to a depth: an automatic bifurcation diagram."""
+"""All branches that are reached from the cylinder, up to a depth: an automatic bifurcation diagram."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pearlbvp.continuation.branch import Branch, BranchOptions
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube
-from pearlbvp.shapes.pearl import Centre, PearlProblem
-from pearlbvp.studies.branch import branch_options, pearl_branch, switched
+from pearlbvp.helfrich import Tube, finite
+from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.dispersion import branch_points
+from pearlbvp.studies.ring import ring_branch
+from pearlbvp.studies.saved import kind_of, switched
+from pearlbvp.studies.tube import tube_branch
+from pearlbvp.theory.dispersion import Mode
 
 if TYPE_CHECKING:
     import pandas as pd
+
+MIXED = "mixed"
+"""What branches off from rings, coils and buckles, and from that again."""
+
+ENDS = {"pearl": 1.1, "ring": 0.85, "coil": 0.85, "buckle": 0.85, MIXED: 0.9}
+"""Reduced volume at which branches of a family end unless asked otherwise. Mixed ones need modes both ways, and many."""
+
+Options = BranchOptions | Mapping[str, BranchOptions] | None
+
+MOST_BRANCHES = 200
+"""Largest number of branches from the cylinder."""
 
 
 @dataclass(frozen=True)
@@ -23,11 +38,12 @@ class Diagram:
 
     Attributes:
         branches: ``3`` is the branch of three equal pearls, ``3/1`` the one that crosses it at its first branch point,
-            ``3/1 neck`` that centred on a neck.
+            ``3/1 neck`` that centred on a neck; ``ring 0:2``, ``coil 1:1``, ``buckle 1:1`` are those of other families with
+            their mode, ``ring 0:2/1`` what branches off there.
         skipped: branch points that were not followed, by name, and why.
     """
 
-    branches: dict[str, Branch[PearlProblem]]
+    branches: dict[str, Branch[Any]]
     skipped: dict[str, str]
 
     def table(self) -> pd.DataFrame:
@@ -43,21 +59,30 @@ def diagram(
     c0: float,
     length: float,
     depth: int = 1,
-    options: BranchOptions | None = None,
+    options: Options = None,
     progress: Callable[[str], None] = lambda name: None,
+    *,
+    lambda2: tuple[float, float] | None = None,
+    modes: Iterable[Mode] | None = None,
+    processes: int = 1,
 ) -> Diagram:
-    """Follow every branch of pearls with ``k < 1``, and from their branch points on, to a depth.
+    """Follow branches from the cylinder, and from their branch points on, to a depth.
 
     Args:
         c0: spontaneous curvature.
         length: axial period of the tube.
         depth: 0 for branches from the cylinder only, 1 for those that cross them, and so on.
-        options: where branches stop and how they step, from ``branch_options``; by default they go to ``v = 1.1``.
+        options: where branches stop and how they step, from ``branch_options``: for all, or by family (``pearl, ring, coil,
+            buckle``, and ``mixed`` for what branches off the last three). By default pearls go to ``v = 1.1``,
+            rings, coils and buckles down to 0.85, mixed ones to 0.9.
         progress: called with the name of each branch before it is followed.
+        lambda2: follow every family that leaves the cylinder between these two values.
+        modes: follow every family of these modes ``(m, n)``, wherever they begin. With neither, all pearls of ``k < 1``.
+        processes: how many to work in; 0 for one a core.
 
     Returns:
-        The branches. A branch point whose new shapes are not axisymmetric, or that was not located, is skipped, and so
-        is a branch that has been found before (it starts at the same solution and ends at the same).
+        The branches. A branch point that was not located, at which pearls lose their axial symmetry, or coils of ``n > 1``
+        begin, is skipped, and so is a branch that has been found before (it joins the same two solutions).
 
     Raises:
         InputError: an argument that cannot be used.
@@ -65,41 +90,129 @@ def diagram(
     tube = Tube(c0, length)
     if depth != int(depth) or depth < 0:
         raise InputError(f"depth: {depth} must be a whole number, 0 or more")
-    options = options or branch_options({"v": 1.1})
-    branches: dict[str, Branch[PearlProblem]] = {}
+    if lambda2 is not None and modes is not None:
+        raise InputError("modes: modes and a range of lambda2 exclude each other; give one of the two")
+    wanted = _by_family(options)
+    primary = {_name(family, *mode): (family, mode) for family, mode in _primaries(tube, lambda2, modes)}
+    if len(primary) > MOST_BRANCHES:
+        raise InputError(f"lambda2: {len(primary)} branches leave the cylinder there; take a shorter range or tube")
+    tasks: dict[str, _Task] = {
+        name: (_primary, (tube, family, mode, wanted[family])) for name, (family, mode) in primary.items()
+    }
+    branches: dict[str, Branch[Any]] = {}
     skipped: dict[str, str] = {}
+    for _ in range(int(depth) + 1):
+        for name in tasks:
+            progress(name)
+        found = dict(zip(tasks, _all_done(list(tasks.values()), processes), strict=True))
+        tasks = {}
+        for name, branch in found.items():
+            if isinstance(branch, str):
+                skipped[name] = branch
+                continue
+            twin = next((other for other, known in branches.items() if _same(known, branch)), None)
+            if twin is not None:
+                skipped[name] = f"it is the branch {twin}"
+                continue
+            branches[name] = branch
+            kept = wanted["pearl"] if kind_of(branch) == "pearl" else wanted[MIXED]
+            tasks |= {child: (_secondary, (branch, *which, kept)) for child, *which in _children(name, branch)}
+    order = list(primary)
 
-    def add(name: str, branch: Branch[PearlProblem], level: int) -> None:
-        branches[name] = branch
-        if level >= depth:
-            return
-        for number, special in enumerate(branch.find("bp"), start=1):
-            both: tuple[Centre, ...] = ("pearl", "neck") if special.block.parity is None else ("pearl",)
-            for centre in both:
-                child = f"{name}/{number}" + (" neck" if centre == "neck" else "")
-                progress(child)
-                try:
-                    found = switched(branch, number, options, centre=centre)
-                except InputError as error:
-                    skipped[child] = str(error)
-                    continue
-                twin = next((other for other, known in branches.items() if _same(known, found)), None)
-                if twin is not None:
-                    skipped[child] = f"it is the branch {twin}"
-                else:
-                    add(child, found, level + 1)
+    def place(name: str) -> tuple[Any, ...]:
+        first, *further = name.split("/")
+        return order.index(first), *((int(part.split()[0]), part) for part in further)
 
-    for m in range(1, math.ceil(tube.length / (2 * math.pi))):
-        if tube.wave_number(m) < 1:
-            progress(str(m))
-            add(str(m), pearl_branch(tube.c0, tube.length, m, options), 0)
-    return Diagram(branches, skipped)
+    return Diagram({name: branches[name] for name in sorted(branches, key=place)}, skipped)
 
 
-def _same(one: Branch[PearlProblem], two: Branch[PearlProblem]) -> bool:
-    """Whether two branches start and end at the same solutions, as far as their observables tell."""
-    return all(
-        abs(one.points[place].observables[name] - two.points[place].observables[name]) < 1e-6
-        for place in (0, -1)
-        for name in ("lambda1", "v", "E", "r_max")
+def _by_family(options: Options) -> dict[str, BranchOptions]:
+    """Options of every family."""
+    known = tuple(ENDS)
+    if isinstance(options, BranchOptions):
+        return dict.fromkeys(known, options)
+    by_default = {name: branch_options({"v": volume}) for name, volume in ENDS.items()}
+    unknown = set(options or {}) - set(known)
+    if unknown:
+        raise InputError(f"options: {', '.join(sorted(unknown))} is no family; choose among {', '.join(known)}")
+    return by_default | dict(options or {})
+
+
+def _primaries(
+    tube: Tube, lambda2: tuple[float, float] | None, modes: Iterable[Mode] | None
+) -> Iterable[tuple[str, Mode]]:
+    """Families and modes that are wanted, by increasing ``lambda2`` where they are found by it."""
+    if lambda2 is not None:
+        low, high = (finite("lambda2", value) for value in lambda2)
+        # No wave is neutral beyond k^2 = 3 + 2 |lambda2| + 2 |1 - 2 c0|, nor beyond n^2 of that size.
+        most = math.sqrt(3 + 2 * max(abs(low), abs(high)) + 2 * abs(1 - 2 * tube.c0))
+        table = branch_points(tube.c0, tube.length, math.ceil(most * tube.length / (2 * math.pi)), math.ceil(most) + 1)
+        inside = table[table["lambda2"].between(low, high)]
+        modes = [(int(m), int(n)) for m, n in zip(inside["m"], inside["n"], strict=True)]
+    elif modes is None:
+        most_pearls = range(1, math.ceil(tube.length / (2 * math.pi)))
+        modes = [(m, 0) for m in most_pearls if tube.wave_number(m) < 1]
+    for m, n in modes:
+        families = ("pearl",) if n == 0 else ("ring",) if m == 0 else ("coil", "buckle")
+        yield from ((family, (m, n)) for family in families)
+
+
+def _name(family: str, m: int, n: int) -> str:
+    return str(m) if family == "pearl" else f"{family} {m}:{n}"
+
+
+_Task = tuple[Callable[..., "Branch[Any] | str"], tuple[Any, ...]]
+"""A function and what it is called with."""
+
+
+def _all_done(tasks: Sequence[_Task], processes: int) -> Sequence[Branch[Any] | str]:
+    """Branches, or why there are none."""
+    if processes == 1 or len(tasks) < 2:
+        return [function(*arguments) for function, arguments in tasks]
+    from joblib import Parallel, delayed, parallel_config  # a fifth of a second to import, and only this needs it
+
+    with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1):
+        done: list[Branch[Any] | str] = Parallel()(delayed(function)(*arguments) for function, arguments in tasks)
+    return done
+
+
+def _primary(tube: Tube, family: Any, mode: Mode, options: BranchOptions) -> Branch[Any] | str:
+    """The branch of a family that leaves the cylinder at a mode."""
+    m, n = mode
+    try:
+        if family == "pearl":
+            return pearl_branch(tube.c0, tube.length, m, options)
+        if family == "ring":
+            return ring_branch(tube.c0, tube.length, n, options)
+        return tube_branch(tube.c0, tube.length, family, mode, options)
+    except InputError as error:
+        return str(error)
+
+
+def _secondary(branch: Branch[Any], number: int, centre: str, options: BranchOptions) -> Branch[Any] | str:
+    """The branch that crosses another at its branch point ``number``."""
+    try:
+        return switched(branch, number, options, centre=centre)
+    except InputError as error:
+        return str(error)
+
+
+def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, str]]:
+    """Names, numbers and centres of what branches off a branch."""
+    for number, special in enumerate(branch.find("bp"), start=1):
+        yield f"{name}/{number}", number, "pearl"
+        if kind_of(branch) == "pearl" and special.block.parity is None:
+            yield f"{name}/{number} neck", number, "neck"
+
+
+def _same(one: Branch[Any], two: Branch[Any]) -> bool:
+    """Whether two branches join the same two solutions, in either direction, as far as their observables tell."""
+    first, last = (one.points[place].observables for place in (0, -1))
+    return any(
+        all(abs(p[name] - q[name]) < 1e-6 for p, q in zip((first, last), ends, strict=True) for name in COMPARED)
+        for ends in ([two.points[place].observables for place in places] for places in ((0, -1), (-1, 0)))
     )
+
+
+COMPARED = ("lambda1", "v", "E", "r_max")
+"""Observables by which solutions are told apart."""

@@ -109,7 +109,7 @@ def reduced(point: Point[RingProblem]) -> tuple[TubeProblem, Array, Array]:
         InputError: its section is not star-shaped about its centre.
     """
     ring, observed = point.problem, point.observables
-    problem = TubeProblem(ring_symmetry(ring.n), ring.c0, ring.length, (0, 24), fixed=_tube_fixed(ring.fixed))
+    problem = TubeProblem(ring_symmetry(ring.n), ring.c0, ring.length, (0, 8), fixed=_tube_fixed(ring.fixed))
     while True:
         try:
             radii = ring.radius_cosines(point.u, problem.size[1] + 1)

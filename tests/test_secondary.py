@@ -1,0 +1,189 @@
+"""Branches that leave rings in reduced modes: branch points located twice, stability by exchange, resolved kernels."""
+
+import math
+
+import numpy as np
+import pytest
+
+from pearlbvp.continuation.path import correct, steps
+from pearlbvp.errors import InputError
+from pearlbvp.newton import NewtonOptions
+from pearlbvp.stability.planar import PlanarVariation
+from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.diagram import diagram
+from pearlbvp.studies.ring import reduced, ring_branch, ring_switched
+from pearlbvp.studies.ring_onsets import exact_profile, neutral_rings
+from pearlbvp.studies.tube import tube_branch
+from pearlbvp.theory.elastica import ring_at
+from pearlbvp.tube.symmetry import ODD_PHI
+
+K = 2 * math.pi / 10
+
+
+@pytest.fixture(scope="module")
+def ring():
+    """The wrinkled tubes of the paper's Fig. c00f, D."""
+    return ring_branch(0.0, 10, 2, branch_options({"v": 0.88}))
+
+
+@pytest.fixture(scope="module")
+def wrinkled():
+    """Those of its Fig. cmf1, in reduced modes."""
+    return tube_branch(-1.0, 10, "ring", (0, 2), branch_options({"v": 0.86}))
+
+
+@pytest.fixture(scope="module")
+def secondary(ring):
+    """What leaves D, to where it differs clearly."""
+    ends = {1: 0.952, 2: 0.922, 3: 0.88}
+    return {number: ring_switched(ring, number, branch_options({"v": v})) for number, v in ends.items()}
+
+
+@pytest.fixture(scope="module")
+def oblate():
+    """Oblates embedded in wrinkling: what leaves the rings at c0 = -1."""
+    rings = ring_branch(-1.0, 10, 2, branch_options({"v": 0.87}))
+    return ring_switched(rings, 1, branch_options({"v": 0.868}))
+
+
+def test_branch_points_of_rings_are_those_of_tubes_and_of_elasticae(ring, wrinkled):
+    """By collocation of the ring, on the tube in reduced modes, and on the exact curve."""
+    exact = neutral_rings(0.0, 2, [K])
+    found = [ring.at(special).observables for special in ring.find("bp")]
+    np.testing.assert_allclose([o["v"] for o in found], exact["v"][: len(found)], atol=1e-9)
+    np.testing.assert_allclose([o["lambda2"] for o in found], exact["lambda2"][: len(found)], atol=1e-9)
+    (special,) = wrinkled.find("bp")
+    first = neutral_rings(-1.0, 2, [K]).iloc[0]
+    observed = wrinkled.at(special).observables
+    for name in ("v", "lambda1", "lambda2", "E"):
+        assert observed[name] == pytest.approx(first[name], abs=1e-8)
+    assert observed["lambda2"] == pytest.approx(1.6136, abs=5e-5)  # the paper: about 1.6
+    assert special.change == 2
+
+
+def test_rings_in_reduced_modes_are_neutral_where_elasticae_are(ring):
+    """Every branch point of the rings, in the block of the tube that the new branch is taken from."""
+    for special in ring.find("bp"):
+        problem, u, _ = reduced(ring.at(special).point)
+        parity = ODD_PHI if special.block.parity == "odd" else 0
+        block = problem.symmetry.block(special.block.j, special.block.c, parity)
+        rates = problem.block_rates(u, block, None)
+        assert np.abs(rates).min() < 1e-8
+
+
+def exact_rate(c0, block, v):
+    """The growth rate nearest to zero of a block of the exact ring of a volume."""
+    variation = PlanarVariation.of(exact_profile(ring_at(2, "v", v), c0))
+    rates = variation.rates_at(block.c, block.parity, np.array([K * block.j]))[0]
+    return float(rates[np.abs(rates).argmin()])
+
+
+def test_secondary_branches_exchange_stability_with_the_rings(ring, secondary):
+    """At the same volume, a pitchfork's own growth rate is -2 times that of the branch it leaves, to leading order."""
+    for number, branch in secondary.items():
+        special = ring.find("bp")[number - 1]
+        at = ring.at(special).observables["v"]
+        errors, distances = [], []
+        for entry in branch.points[1:]:
+            rates = entry.spectrum.rates[entry.point.problem.own_block]
+            own = rates[np.abs(rates).argmin()]
+            v = entry.observables["v"]
+            errors.append(own / exact_rate(0.0, special.block, v) + 2)
+            distances.append(at - v)
+        # Linear in the distance: the ratio's error by it is bounded, and the ratio tends to -2.
+        assert abs(errors[0]) < 0.05
+        assert np.abs(np.array(errors) / np.array(distances)).max() < 60
+
+
+def test_unstable_directions_are_those_that_exchange_of_stability_leaves(ring, secondary, oblate):
+    """A branch beside more unstable rings takes over the count before; beside less unstable ones it has one more.
+
+    Waves along the tube come in pairs; on the new branch one of the two is a shift along it, which is neutral.
+    """
+    for number, branch in secondary.items():
+        special = ring.find("bp")[number - 1]
+        others = ring.at(special).spectrum.n_unstable  # without what is neutral there
+        assert branch.points[1].observables["v"] < branch.points[0].observables["v"]  # where the new branch is
+        expected = others if special.change > 0 else others + 1
+        assert branch.points[1].spectrum.n_unstable == expected
+    assert (oblate.table()["n_unstable"] == 0).all()
+
+
+def test_minus_twice_the_slope_of_the_energy_is_the_pressure(secondary, oblate):
+    for branch in (*secondary.values(), oblate):
+        for entry in branch.points[1:]:
+            point = entry.point
+            problem, u = point.problem, point.u
+            tangent = problem.solve(u, np.append(np.zeros(u.size - 1), 1.0), point.tangent)
+            ahead, behind = (problem.observables(u + h * tangent)["E"] for h in (1e-5, -1e-5))
+            assert -2 * (ahead - behind) / 2e-5 / tangent[-1] == pytest.approx(entry.observables["lambda2"], abs=1e-7)
+
+
+def test_rigid_motions_are_kernels(secondary, oblate):
+    for branch in (*secondary.values(), oblate):
+        assert all(entry.spectrum.resolved for entry in branch.points)
+
+
+def test_more_modes_change_nothing(secondary, oblate):
+    for branch in (*secondary.values(), oblate):
+        point = branch.points[-1].point
+        problem = point.problem.resized((point.problem.size[0] + 6, point.problem.size[1] + 6))
+        u = problem.adopt(point.problem, point.u)
+        along_v = np.zeros(u.size)
+        along_v[-1] = 1.0
+        result, _ = correct(problem, u, along_v, u, 0.0, NewtonOptions())
+        assert result.converged
+        for name in ("lambda1", "lambda2", "E", "r_min", "r_max"):
+            assert problem.observables(result.u)[name] == pytest.approx(point.observables[name], abs=1e-8)
+
+
+def test_embedded_oblates_become_stable_where_the_paper_stops(secondary):
+    """On the branch that leaves D at v = 0.95675, between two volumes on either side of 0.90807; modes do not matter."""
+    last = None
+    for point in steps(secondary[1].points[-1].point, branch_options(max_step=0.4).path):
+        if point.observables["v"] < 0.91:
+            break
+        last = point
+    for v, unstable in ((0.9085, 1), (0.9077, 0)):
+        problem, u = last.problem.resized((22, 30)), None
+        u = problem.adopt(last.problem, last.u)
+        along_v = np.zeros(u.size)
+        along_v[-1] = 1.0
+        while u[-1] > v:
+            step = max(-0.006, v - u[-1])
+            result, _ = correct(problem, u, along_v, u + step * along_v, 0.0, NewtonOptions())
+            u = result.u
+        spectrum = problem.spectrum(u)
+        assert spectrum.resolved
+        assert spectrum.n_unstable == unstable
+
+
+def test_a_diagram_joins_what_it_reaches_from_both_ends():
+    """c0 = 0.48, L = 10: one stable branch between coils and buckles, found from either, kept once."""
+    options = branch_options({"v": 0.9}, max_step=0.3)
+    found = diagram(0.48, 10, 1, options, modes=[(1, 1)])
+    assert list(found.branches) == ["coil 1:1", "coil 1:1/1", "buckle 1:1"]
+    assert found.skipped == {"buckle 1:1/1": "it is the branch coil 1:1/1"}
+    assert (found.branches["coil 1:1/1"].table()["n_unstable"] == 0).all()
+    table = found.table()
+    assert list(table.columns[:3]) == ["branch", "point", "special"]
+    assert set(table["branch"]) == set(found.branches)
+
+
+def test_a_diagram_takes_every_family_of_a_range():
+    found = diagram(0.0, 10, 0, branch_options({"v": 0.99}, max_points=2), lambda2=(-1.0, 1.6), processes=2)
+    assert list(found.branches) == ["1", "coil 1:1", "buckle 1:1", "ring 0:2"]
+    assert found.table().groupby("branch").lambda2.first()["ring 0:2"] == 1.5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ({"lambda2": (0, 1), "modes": [(1, 1)]}, "modes"),
+        ({"options": {"snake": branch_options()}}, "options"),
+        ({"lambda2": (-1, 1e4)}, "lambda2"),
+    ],
+)
+def test_unusable_diagrams_are_refused(arguments, name):
+    with pytest.raises(InputError, match=f"^{name}: "):
+        diagram(0.0, 10, 0, **arguments)
