@@ -125,8 +125,8 @@ def place_surfaces(
         row, column = divmod(place, grid[1])
         corner = left + column * width, bottom + (grid[0] - 1 - row) * height
         axes = figure.add_axes((*corner, width, 0.92 * height), projection="3d")
-        # A box this large fills the width of its place.
-        zoom = 1.05 * (width * figure.get_figwidth()) / (0.92 * height * figure.get_figheight())
+        # A box this large fills most of the width of its place.
+        zoom = 0.9 * (width * figure.get_figwidth()) / (0.92 * height * figure.get_figheight())
         show_surface(axes, surface, half_length, extent, colour_of(point), zoom)
         axes.set_title(title, fontsize=8, y=0.98)
 

@@ -334,22 +334,22 @@ class TubeProblem:
     def _blocks(self, u: Array) -> dict[TubeBlock, ModeWaves]:
         """All blocks of perturbations, on the problem's length; their waves go a little beyond the solution's."""
         period, fold = self._units
-        around = max(8, fold * self.size[1] + 2)
-        fastest = self._fastest(u)
+        parameters, largest = self.parameters(u), self._largest(u)
+        around = max(8, fold * self.size[1] + 2, math.ceil(largest) + 2)
+        fastest = math.ceil(largest * parameters.length / (2 * math.pi))
         along = max(period * (self.size[0] + 2), fastest + 2) if period else fastest + self.symmetry.turns
         if (along, around) not in self._known_blocks:
             waves = ellipse(1, 1, (along, around)) if period else list(product(range(along + 1), range(around + 1)))
             self._known_blocks[along, around] = self._shared(self.symmetry.blocks(waves))
         return self._known_blocks[along, around]
 
-    def _fastest(self, u: Array) -> int:
-        """A wave number along the tube, in units of ``k``, beyond which nothing grows.
+    def _largest(self, u: Array) -> float:
+        """A wave number beyond which nothing grows, along the tube or around it.
 
-        On the cylinder nothing grows beyond ``k^2 = 3 + 2 |lambda2| + 2 |1 - 2 c0|``; deformed shapes get some room.
+        On the cylinder nothing grows beyond ``k^2 + n^2 = 3 + 2 |lambda2| + 2 |1 - 2 c0|``; deformed shapes get some room.
         """
         parameters = self.parameters(u)
-        largest = math.sqrt(3 + 2 * abs(parameters.lambda2) + 2 * abs(1 - 2 * parameters.c0))
-        return math.ceil(1.25 * largest * parameters.length / (2 * math.pi))
+        return 1.25 * math.sqrt(3 + 2 * abs(parameters.lambda2) + 2 * abs(1 - 2 * parameters.c0))
 
     def _shared(self, blocks: Mapping[TubeBlock, list[Mode]]) -> dict[TubeBlock, ModeWaves]:
         """Blocks as sums of waves, which those share that differ in parities alone."""
