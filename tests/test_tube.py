@@ -382,3 +382,16 @@ def test_what_is_no_family_of_the_mode_is_refused():
         onset(Tube(0.0, 10), "ring", 1, 1)
     with pytest.raises(InputError, match="^mode: "):
         onset(Tube(0.0, 10), "coil", 1, 2)
+
+
+def test_growth_rates_of_slender_coils_are_not_rounding():
+    """Some displacements of a steep section hardly move the surface along its normal: rates must not feel their lightness."""
+    point = followed(0.48, "coil", 0.4).points[-1].point
+    problem, u = refined(point, (0, point.problem.size[1] + 40))
+    noise = 1 + 1e-15 * np.random.default_rng(4).standard_normal(point.u.size)
+    rates = [
+        s.mu_crit
+        for s in (point.problem.spectrum(point.u), point.problem.spectrum(point.u * noise), problem.spectrum(u))
+    ]
+    assert np.ptp(rates) < 1e-9
+    assert rates[0] == pytest.approx(-2.3e-3, abs=2e-4)  # stable, as all along from v = 0.906 down

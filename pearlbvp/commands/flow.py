@@ -85,7 +85,10 @@ def flow(
     if source is not None:
         if not source.is_file():
             raise InputError(f"--from: there is no file {source}; give one that pearlbvp branch --save wrote")
-        branch = saved.load(source)
+        try:
+            branch = saved.load(source)
+        except InputError as error:
+            raise InputError(str(error).replace("resume:", "--from:", 1)) from None
         start["family"] = saved.family_of(branch) if "family" not in given else start["family"]
     _refuse_idle(given, start)
     out, plot = check_outputs(out, plot)

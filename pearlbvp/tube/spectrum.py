@@ -105,6 +105,10 @@ KEPT = 8
 """Growth rates that are kept of each block."""
 
 
+LARGEST_RATE = 1e8
+"""Growth rates beyond this are a matrix gone wrong."""
+
+
 @dataclass(frozen=True)
 class Equilibrium:
     """An equilibrium on the grid of its cell, as its second variation needs it.
@@ -251,8 +255,26 @@ def block_rates(
     size = len(restricted_second)
     if size == 0:
         return np.zeros(0), 0.0
-    rates = -eigh(restricted_second, restricted_mass, eigvals_only=True, subset_by_index=[0, min(KEPT, size) - 1])
+    rates = _leading(restricted_second, restricted_mass)
     return rates, max((_residual(second, mass, kernel, float(rates[0])) for kernel in moving), default=0.0)
+
+
+def _leading(second: Array, mass: Array) -> Array:
+    """The largest growth rates, from the largest eigenvalues of ``mass`` against ``second + shift mass``.
+
+    The other way round their error would be rounding times the fastest decay over the lightest displacement: on slender coils,
+    where some displacements hardly move the surface along its normal, that is more than the rates themselves.
+    """
+    wanted = [max(0, len(mass) - KEPT), len(mass) - 1]
+    shift = 16.0  # above all growth rates: the matrix is positive definite
+    while True:
+        try:
+            inverse = eigh(mass, second + shift * mass, eigvals_only=True, subset_by_index=wanted)
+            return np.asarray(shift - 1 / inverse[::-1])
+        except np.linalg.LinAlgError:
+            if shift > LARGEST_RATE:
+                raise
+            shift *= 8
 
 
 def _residual(second: Array, mass: Array, kernel: Array, largest: float) -> float:
