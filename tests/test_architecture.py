@@ -14,6 +14,7 @@ ROOMS = [
     "flow",
     "shapes",
     "tube",
+    "mesh",
     "stability",
     "theory",
     "continuation",

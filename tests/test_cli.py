@@ -378,7 +378,7 @@ def test_tubes_are_saved_resumed_and_switched(capsys, tmp_path):
     ("family", "options", "named"),
     [
         ("pearl", ("--resume", "SAVED"), "--resume"),
-        ("ring", ("--resume", "SAVED", "--vary", "L"), "--vary"),
+        ("ring", ("--resume", "SAVED", "--vary", "L"), "studies.ring_onsets"),
         ("ring", ("--resume", "SAVED", "--switch", "1", "--centre", "neck"), "--centre"),
         ("ring", ("--resume", "SAVED", "--switch", "7"), "switch"),
         ("coil", ("--c0", "0", "--length", "10", "--tolerance", "1e-8"), "--tolerance"),

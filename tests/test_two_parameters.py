@@ -2,7 +2,7 @@
 
 import pytest
 
-from pearlbvp.studies.branch import branch_options, followed, pearl_branch
+from pearlbvp.studies.branch import STRAIGHT_WAVE, branch_options, followed, pearl_branch
 from pearlbvp.studies.localized import localized_pearls
 
 
@@ -38,7 +38,14 @@ def test_stability_along_a_followed_fold_is_that_of_the_branch():
     assert curve.points[0].spectrum.n_unstable == here.at(special).spectrum.n_unstable == 6
     # The shapes become straight where pearls begin at lambda2 = 0, and the curve ends there.
     assert "straight tube" in curve.reason
-    assert curve.points[-1].observables["v"] == pytest.approx(1, abs=1e-5)
+    last = curve.points[-1].observables
+    assert last["v"] == pytest.approx(1, abs=STRAIGHT_WAVE**2)
+    assert last["amplitude"] == pytest.approx(STRAIGHT_WAVE / 2, rel=1e-6)
+    # v is even in the amplitude: to fourth order, it extrapolates to that of the straight tube.
+    squares, volumes = ([entry.observables[name] for entry in curve.points[-2:]] for name in ("amplitude", "v"))
+    squares = [value**2 for value in squares]
+    slope = (volumes[1] - volumes[0]) / (squares[1] - squares[0])
+    assert volumes[1] - slope * squares[1] == pytest.approx(1, abs=squares[0] * squares[1])
 
 
 def test_the_first_fold_leaves_its_branch_where_c0_turns():

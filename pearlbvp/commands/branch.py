@@ -35,7 +35,8 @@ if TYPE_CHECKING:
     "pearlbvp branch pearl --resume b.h5 --switch 1 --centre neck --until v=1.2  |  "
     "pearlbvp branch pearl --c0 0.75 --length 10 --shape=-0.3,0.5 --volume 1.0 --until v=1.1  |  "
     "pearlbvp branch coil --c0 0.48 --length 10 --until v=0.85 --save c.h5  |  "
-    "pearlbvp branch coil --resume c.h5 --switch 1 --plot mixed.png"
+    "pearlbvp branch coil --resume c.h5 --switch 1 --plot mixed.png  |  "
+    "pearlbvp branch coil --resume c.h5 --follow bp:1 --vary L"
 )
 @click.argument("family", type=click.Choice(["pearl", "ring", "coil", "buckle"]))
 @click.option("--c0", type=Number(), help="Spontaneous curvature.")
@@ -73,7 +74,9 @@ if TYPE_CHECKING:
 @click.option("--centre", type=click.Choice(["pearl", "neck"]), default="pearl", show_default=True,
               help="With --switch, of pearls: what the new shapes are centred on.")  # fmt: skip
 @click.option(
-    "--vary", type=click.Choice(["c0", "L"]), help="With --resume, of pearls: vary this from a point on, at fixed v."
+    "--vary",
+    type=click.Choice(["c0", "L"]),
+    help="With --resume: vary this from a point on, at fixed v (not of rings).",
 )
 @click.option(
     "--follow",
@@ -223,7 +226,7 @@ def branch(
 MODES = {"pearl": (1, 0), "ring": (0, 2), "coil": (1, 1), "buckle": (1, 1)}
 """Modes that the families have unless others are given."""
 
-PEARLS_ONLY = {"shape", "volume", "vary", "centre"}
+PEARLS_ONLY = {"shape", "volume", "centre"}
 """Options that rings, coils and buckles do not have."""
 
 

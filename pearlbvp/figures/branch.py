@@ -47,14 +47,18 @@ def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarra
     return np.array(xs), np.array(ys)
 
 
+def _of_shapes(problem: Any) -> Any:
+    """The problem of a branch's shapes: of a curve in two parameters, the one that it is a curve on."""
+    return getattr(problem, "base", problem)
+
+
 def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
     """Outlines of some shapes along a branch, one period each, above one another."""
     chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
     height = 2.5 * max(branch.points[i].observables["r_max"] for i in chosen)
     for place, index in enumerate(chosen):
         point = branch.points[index].point
-        problem = getattr(point.problem, "base", point.problem)  # of a curve in two parameters: the shapes' own
-        profile = problem.profile(point.u)
+        profile = _of_shapes(point.problem).profile(point.u)
         x, r = profile.outline()
         colour = _curve_colour(branch.points[index])
         for side in (1, -1):
@@ -69,7 +73,7 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
     """Cross-sections of some rings along a branch, side by side."""
     width = 2.8 * max(entry.observables["r_max"] for entry in along(branch, count))
     for place, entry in enumerate(along(branch, count)):
-        y, z = entry.point.problem.section(entry.point.u, 0.0)
+        y, z = _of_shapes(entry.point.problem).section(entry.point.u, 0.0)
         axes.plot(y + place * width, z, color=_curve_colour(entry), linewidth=1.2)
         label = f"v = {entry.observables['v']:.4f}"
         axes.text(place * width, -0.65 * width, label, ha="center", va="center", fontsize=8)
@@ -99,16 +103,18 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Fi
     for place, (x, y) in zip(axes.ravel(), pairs, strict=False):
         draw_curve(place, table, x, y, COLOURS[0])
         dress(place, names[x], names[y], title if place is axes[0, 0] else "")
-    problem = branch.points[0].point.problem
-    if hasattr(problem, "surface"):  # a tube that no single curve describes
+    problem = _of_shapes(branch.points[0].point.problem)
+    if problem.stored_as == "tube":  # no single curve describes it
         figure.delaxes(axes[1, 1])
         points = along(branch)
         titles = [f"v = {point.observables['v']:.4f}" for point in points]
         place_surfaces(figure, (0.53, 0.02, 0.46, 0.42), points, titles, (2, 2))
         figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize="medium")
-    elif hasattr(problem, "section"):
+    elif problem.stored_as == "ring":
         draw_sections(axes[1, 1], branch)
         dress(axes[1, 1], "y (radii), shapes beside one another", "", "sections: stable blue, unstable brown")
+    elif problem.stored_as == "mesh":  # figures.mesh draws one at a time
+        figure.delaxes(axes[1, 1])
     else:
         draw_shapes(axes[1, 1], branch)
         dress(axes[1, 1], "axial position x (radii)", "", "shapes: stable blue, unstable brown")

@@ -30,12 +30,12 @@ def surface_of(point: Any) -> Surface:
     """
     if isinstance(point, BranchPoint):
         point = point.point
-    problem = getattr(point.problem, "base", point.problem)  # of a curve in two parameters: the shapes' own
-    if hasattr(problem, "surface"):  # reduced modes
+    problem, u = getattr(point.problem, "base", point.problem), point.u  # of a curve in two parameters: the shapes' own
+    if problem.stored_as == "tube":
+        problem, u = problem.released(u, "lambda1", "lambda2", "v")  # whatever varies, at the shape's own length
         x = np.linspace(0, problem.length, max(2, round(6 * problem.length)) + 1)
-        pieces = [
-            problem.surface(point.u, part, 64) for part in np.array_split(x, max(1, len(x) // 10))
-        ]  # bounded memory
+        # Piece by piece, for the memory of all modes at all points.
+        pieces = [problem.surface(u, part, 64) for part in np.array_split(x, max(1, len(x) // 10))]
         x, y, z = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
         return x, y, z
     profile = problem.profile(point.u)
@@ -125,8 +125,8 @@ def place_surfaces(
         row, column = divmod(place, grid[1])
         corner = left + column * width, bottom + (grid[0] - 1 - row) * height
         axes = figure.add_axes((*corner, width, 0.92 * height), projection="3d")
-        # A box this large fills the width of its place.
-        zoom = 1.05 * (width * figure.get_figwidth()) / (0.92 * height * figure.get_figheight())
+        # A box this large fills most of the width of its place.
+        zoom = 0.9 * (width * figure.get_figwidth()) / (0.92 * height * figure.get_figheight())
         show_surface(axes, surface, half_length, extent, colour_of(point), zoom)
         axes.set_title(title, fontsize=8, y=0.98)
 

@@ -191,13 +191,23 @@ class PearlProblem:
         """Growth rates in one symmetry block, largest first, without its exact kernel, on as many points as ``like``."""
         return block_rates(SecondVariation.of(self.profile(u), like.points), block, self.fixed)[0]
 
+    def place(self, name: str) -> int:
+        """Place of a free parameter in every unknown, counted from its end."""
+        free = self.discretization.free
+        return free.index(name) - len(free)
+
+    def wave(self, u: Array) -> float:
+        """Difference of the radii at the two ends of the first half period: it changes sign where pearls become straight."""
+        radii = self.discretization.values(u)[:, 0]
+        return float(radii[0] - radii[-1 if self.half else len(radii) // 2])
+
     def released(self, u: Array, *free: str) -> tuple[PearlProblem, Array]:
         """The same solution with other parameters free: to vary ``c0`` at fixed ``v``, say.
 
         Args:
             u: a solution.
-            free: names of the parameters (besides the drag of a full cell), the arclength among them: four leave a
-                curve of solutions, five a surface.
+            free: names of the parameters, in the order in which they are to end the unknown, besides the arclength and the
+                drag of a full cell: three leave a curve of solutions, four a surface.
 
         Raises:
             ValueError: a name that is no parameter.
@@ -206,7 +216,7 @@ class PearlProblem:
             plain, (u,) = self.change_chart(False, u)
             return plain.released(u, *free)
         d = self.discretization
-        names = (*free, "drag") if self.reference is not None else free
+        names = ("arclength", *free, *(("drag",) if self.reference is not None else ()))
         discretization = replace(d, parameters=d.all_parameters(u), free=names)
         return replace(self, discretization=discretization), discretization.pack(d.values(u), d.all_parameters(u))
 
@@ -220,11 +230,9 @@ class PearlProblem:
             raise ValueError(f"second: {name!r} is not c0 or length")
         plain, (u, tangent) = self.change_chart(False, u, tangent)
         free = plain.discretization.free
-        problem, moved = plain.released(u, *(p for p in free if p != "drag"), name)
-        k, place = len(free), problem.discretization.free.index(name)
-        values, parameters = tangent[: tangent.size - k], tangent[tangent.size - k :]
-        lifted = np.concatenate((values, np.insert(parameters, place, 0.0)))
-        return problem, [moved, lifted], moved.size - len(problem.discretization.free) + place
+        problem, moved = plain.released(u, *(p for p in free if p not in ("arclength", "drag")), name)
+        place = moved.size + problem.place(name)
+        return problem, [moved, np.insert(tangent, place, 0.0)], place
 
     def embed(self, block: Block, centre: Centre, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
         """The problem in whose space the perturbations of a block live, and vectors moved into it.

@@ -1,4 +1,4 @@
-"""Which shapes branch off, how do they continue, which are stable? Branches of pearls, with their special points."""
+"""Which shapes branch off, how do they continue, which are stable? Branches of pearls; branches of any family varied."""
 
 from __future__ import annotations
 
@@ -9,16 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, SpecialPoint, continue_branch, start_point
-from pearlbvp.continuation.path import PathOptions
+from pearlbvp.continuation.path import PathOptions, Point, correct
 from pearlbvp.continuation.switching import switch, tangent_along
-from pearlbvp.continuation.two_parameters import CurveOnSurface, follow
+from pearlbvp.continuation.two_parameters import NOISE, CurveOnSurface, follow
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, finite, positive
+from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import Centre, PearlProblem, pearling_onset
 from pearlbvp.stability.bloch import Fixed
+from pearlbvp.studies.ends import limit
 from pearlbvp.theory.dispersion import critical_lambda2
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
@@ -26,14 +27,8 @@ COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_m
 STOPS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L", "mu_crit")
 """Columns at a value of which a branch can stop."""
 
-THINNEST_NECK = 4e-3
-"""Radius of the neck at which a branch ends: beyond, rounding spoils the count of unstable waves."""
-
 LONGEST_PEARL = 1000.0
 """Longest period of a branch of pearls: its meshes grow with it."""
-
-RESOLVED = 1e-4
-"""Error of the growth rates beyond which a branch ends rather than count wrongly."""
 
 
 def branch_options(
@@ -44,12 +39,12 @@ def branch_options(
     max_step: float = 0.5,
     progress: Callable[[Branch[Any]], None] = lambda branch: None,
 ) -> BranchOptions:
-    """Options of a branch of pearls.
+    """Options of a branch of any family.
 
     Args:
         until: column and value at which to stop exactly; several may be given, the first reached counts.
         max_points: end after so many.
-        step, max_step: first (by default 0.1 or ``max_step``) and largest step, in the norm of profile and parameters.
+        step, max_step: first (by default 0.1 or ``max_step``) and largest step, in the norm of shape and parameters.
         progress: called with the branch so far after each step.
 
     Raises:
@@ -67,16 +62,6 @@ def branch_options(
         step = min(0.1, max_step)
     if not 1e-6 < step <= max_step:
         raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}")
-
-    def limit(point: BranchPoint[Any]) -> str | None:
-        if not point.spectrum.complete:
-            n = max(block.n for block in point.spectrum.rates)
-            return f"waves of more than n = {n} around the tube grow: its tension is {point.observables['lambda1']:.3g}"
-        if point.spectrum.residual > RESOLVED:
-            return f"its spectrum is known to {point.spectrum.residual:.0e} only, at a neck of {point.observables['r_min']:.1e}"
-        if point.observables["r_min"] < THINNEST_NECK:
-            return f"the neck is thinner than {THINNEST_NECK:g} radii: the surface is about to touch its axis"
-        return None
 
     path = PathOptions(step=step, max_step=max_step, max_points=max_points)
     return BranchOptions(path=path, until=wanted, limit=limit, progress=progress)
@@ -171,18 +156,18 @@ def shape_branch(
 
 
 def varied(
-    branch: Branch[PearlProblem],
+    branch: Branch[Any],
     index: int,
     vary: str,
     options: BranchOptions,
     *,
     keep: str = "v",
     upwards: bool = True,
-) -> Branch[PearlProblem]:
+) -> Branch[Any]:
     """The branch through a point of another on which ``c0`` or the length changes.
 
     Args:
-        branch: a branch of pearls.
+        branch: a branch of pearls, or of coils, buckles and what branches off from them.
         index: which of its points (negative: from the end).
         vary: ``c0`` or ``L``.
         options: where to stop and how to step.
@@ -190,37 +175,53 @@ def varied(
         upwards: whether ``vary`` is to grow at first.
 
     Raises:
-        InputError: a name or number that cannot be used.
+        InputError: a name or number that cannot be used, or a branch of rings.
     """
-    names = {"c0": "c0", "L": "length"}
-    if vary not in names:
-        raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L (lambda2 and v vary on every branch)")
+    parameter = _varying(branch, vary)
     if keep not in ("v", "lambda2"):
         raise InputError(f"keep: {keep!r} cannot be kept; choose v or lambda2")
     if not -len(branch.points) <= index < len(branch.points):
         raise InputError(f"point: the branch has points 0 to {len(branch.points) - 1}, so there is no point {index}")
+    index %= len(branch.points)
     point = branch.points[index].point
     if point.observables["amplitude"] < 1e-9:
         raise InputError(f"point: point {index} is the cylinder, where branches cross; choose a point further on")
     other = "lambda2" if keep == "v" else "v"
-    problem, u = point.problem.released(point.u, "arclength", "lambda1", other, names[vary])
+    problem, u = point.problem.released(point.u, "lambda1", other, parameter)
     direction = np.zeros_like(u)
-    free = problem.discretization.free
-    direction[u.size - len(free) + free.index(names[vary])] = 1.0 if upwards else -1.0
+    direction[problem.place(parameter)] = 1.0 if upwards else -1.0
     try:
         tangent = tangent_along(problem, u, direction)
     except np.linalg.LinAlgError:
         raise InputError(f"vary: {vary} turns just at point {index}; start from a point beside it") from None
-    return continue_branch(start_point(problem, u, tangent), replace(options, folds=(vary, *options.folds)))
+    options = replace(options, folds=(vary, *options.folds))
+    return continue_branch(start_point(problem, u, tangent), options, at_bifurcation="bp" in branch.kinds(index))
+
+
+def _varying(branch: Branch[Any], vary: str) -> str:
+    """The problems' name of ``c0`` or the length, where the branch's shapes depend on it.
+
+    Raises:
+        InputError: another name, or a branch of rings.
+    """
+    names = {"c0": "c0", "L": "length"}
+    if vary not in names:
+        raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L (lambda2 and v vary on every branch)")
+    if not hasattr(branch.points[0].point.problem, "released"):
+        raise InputError(
+            f"vary: the shape of rings does not depend on {vary}; for where it exchanges stability, see "
+            "pearlbvp.studies.ring_onsets in Python"
+        )
+    return names[vary]
 
 
 def followed(
-    branch: Branch[PearlProblem], kind: str, number: int, vary: str, options: BranchOptions, *, upwards: bool = True
+    branch: Branch[Any], kind: str, number: int, vary: str, options: BranchOptions, *, upwards: bool = True
 ) -> Branch[CurveOnSurface]:
     """The curve of a fold or a branch point of a branch while ``c0`` or the length varies.
 
     Args:
-        branch: a branch of pearls.
+        branch: a branch of pearls, or of coils, buckles and what branches off from them.
         kind: ``bp``, or ``fold:NAME`` of a column.
         number: which of them (the first is 1).
         vary: ``c0`` or ``L``.
@@ -228,11 +229,10 @@ def followed(
         upwards: whether ``vary`` is to grow at first.
 
     Raises:
-        InputError: there is no such special point, or it was not located, or ``vary`` is another name.
+        InputError: there is no such special point, or it was not located, or ``vary`` is another name, or the branch is one
+            of rings.
     """
-    names = {"c0": "c0", "L": "length"}
-    if vary not in names:
-        raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L")
+    parameter = _varying(branch, vary)
     found = branch.find(kind)
     if not 1 <= number <= len(found):
         raise InputError(
@@ -241,30 +241,53 @@ def followed(
     if not found[number - 1].converged:
         raise InputError(f"follow: {kind} number {number} was not located; follow the branch in shorter steps")
     start = branch.at(found[number - 1]).point
-    sign = math.copysign(1.0, _wave(start.problem, start.u))
+    sign = math.copysign(1.0, start.problem.wave(start.u))
 
-    def limit(point: BranchPoint[Any]) -> str | None:
-        if sign * _wave(point.point.problem.base, point.point.u) < 0:
-            return STRAIGHT
-        return options.limit(point)
+    def excess(point: Point[CurveOnSurface]) -> float:
+        return sign * float(point.problem.base.wave(point.u)) - STRAIGHT_WAVE
+
+    def bounded(point: BranchPoint[CurveOnSurface]) -> str | None:
+        return STRAIGHT if excess(point.point) < 0 else options.limit(point)
 
     curve = follow(
-        branch, found[number - 1], names[vary], replace(options, folds=(vary, "v"), limit=limit), upwards=upwards
+        branch, found[number - 1], parameter, replace(options, folds=(vary, "v"), limit=bounded), upwards=upwards
     )
-    if curve.reason == STRAIGHT:
-        curve = curve.without_last()
-        while len(curve.points) > 1 and curve.points[-1].observables["amplitude"] < 1e-3:  # found in the last step
-            curve = curve.without_last()
-    return curve
+    return _up_to_straight(curve, excess) if curve.reason == STRAIGHT else curve
 
 
 STRAIGHT = "the shapes become the straight tube; beyond, the curve would repeat their mirror images"
 
+STRAIGHT_WAVE = 0.02
+"""Amplitude (``wave`` of the problems) of shapes that are called straight. What the curve leads to differs by its square.
 
-def _wave(problem: PearlProblem, u: Array) -> float:
-    """Difference of the radii at the two ends of the first half period: it changes sign where pearls become straight."""
-    radii = problem.discretization.values(u)[:, 0]
-    return float(radii[0] - radii[-1 if problem.half else len(radii) // 2])
+Nearer, the conditions of what happens at onset, which are proportional to the amplitude or its square, fade.
+"""
+
+
+def _up_to_straight(
+    curve: Branch[CurveOnSurface], excess: Callable[[Point[CurveOnSurface]], float]
+) -> Branch[CurveOnSurface]:
+    """A curve that ends beyond the place where a function changes its sign, up to that place, found by secants.
+
+    The conditions' rounding is felt here: Newton's method is content with ``NOISE``, as along the curve.
+    """
+    beyond = curve.points[-1].point
+    while len(curve.points) > 1 and excess(curve.points[-1].point) <= 0:
+        curve = curve.without_last()
+    start = curve.points[-1].point
+    problem, tangent = start.problem, start.tangent
+    known = [(problem.inner(tangent, problem.adopt(beyond.problem, beyond.u) - start.u), beyond), (0.0, start)]
+    while len(known) < 10 and abs(excess(known[-1][1])) > 1e-10:
+        (s0, one), (s1, two) = known[-2:]
+        s = s1 - excess(two) * (s1 - s0) / (excess(two) - excess(one))
+        guess = two.u + (s - s1) * tangent
+        result, direction = correct(problem, guess, tangent, start.u, s, NewtonOptions(rounding=NOISE))
+        if not result.converged:
+            return curve
+        found = start_point(problem, result.u, direction)
+        known.append((s, found))
+    end = BranchPoint(known[-1][1], problem.spectrum(known[-1][1].u))
+    return curve.extended(Branch([curve.points[-1], end], [SpecialPoint("end", 1)], curve.reason, curve.complete))
 
 
 def switched(

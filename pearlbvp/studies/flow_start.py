@@ -185,6 +185,11 @@ def tube_start(
         InputError: so few modes hold no such equilibrium, or an argument cannot be used.
     """
     found = problem.observables(u)
+    problem, u = problem.released(u, *problem.free)  # c0 and the length may vary on the branch
+    if problem.kappa and problem.symmetry.period:
+        raise InputError(
+            "point: it depends on x in a turning frame, from which flows do not start; take the same shape from the buckles"
+        )
     tube = TubeFlow(problem.c0, problem.length, size, law, found["lambda2"] if law == "area" else 0.0)
     q = tube.coordinates(problem.modes, problem.coefficients(u), problem.k, problem.kappa)
     return _settled(tube, q, found)

@@ -17,8 +17,8 @@ from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.ring import RingProblem, ring_onset
 from pearlbvp.stability.bloch import Fixed
 from pearlbvp.stability.planar import MOST_WAVES, PlanarVariation
-from pearlbvp.studies.branch import COLUMNS, RESOLVED, branch_options, numbered
-from pearlbvp.studies.tube import tube_options
+from pearlbvp.studies.branch import COLUMNS, branch_options, numbered
+from pearlbvp.studies.ends import RESOLVED
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.tube.symmetry import ODD_PHI, ring_symmetry
@@ -99,7 +99,7 @@ def ring_switched(
     problem, u, tangent = reduced(branch.at(special).point)
     c, parity = special.block.c, special.block.parity
     block = problem.symmetry.block(special.block.j, c, ODD_PHI if parity == "odd" else 0)
-    return leave(problem, u, tangent, block, tube_options(options), grow=grow)
+    return leave(problem, u, tangent, block, options, grow=grow)
 
 
 def reduced(point: Point[RingProblem]) -> tuple[TubeProblem, Array, Array]:

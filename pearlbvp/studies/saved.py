@@ -11,11 +11,14 @@ from pearlbvp.continuation.branch import Branch, BranchOptions, continue_branch
 from pearlbvp.continuation.storage import read_branch, write_branch
 from pearlbvp.errors import InputError
 from pearlbvp.files import writable, write_whole
+from pearlbvp.mesh.problem import MeshProblem
+from pearlbvp.mesh.spectrum import MeshSpectrum
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.ring import RingProblem
 from pearlbvp.stability.planar import PlanarSpectrum
 from pearlbvp.stability.spectrum import Spectrum
 from pearlbvp.studies import branch as pearls
+from pearlbvp.studies import mesh as meshes
 from pearlbvp.studies import ring as rings
 from pearlbvp.studies import tube as tubes
 from pearlbvp.tube.problem import TubeProblem
@@ -25,6 +28,7 @@ KINDS = {
     "pearl": (PearlProblem.from_tree, Spectrum.from_tree),
     "ring": (RingProblem.from_tree, PlanarSpectrum.from_tree),
     "tube": (TubeProblem.from_tree, TubeSpectrum.from_tree),
+    "mesh": (MeshProblem.from_tree, MeshSpectrum.from_tree),
 }
 """How problems and spectra of a branch are read, by the kind that its file names."""
 
@@ -50,7 +54,7 @@ def load(path: str | os.PathLike[str]) -> Branch[Any]:
 
 
 def kind_of(branch: Branch[Any]) -> str:
-    """``pearl``, ``ring`` or ``tube`` (coils, buckles, and what branches off from those and from rings)."""
+    """``pearl``, ``ring``, ``tube`` (coils, buckles, and what branches off from those and from rings) or ``mesh``."""
     return str(branch.points[-1].point.problem.stored_as)
 
 
@@ -67,11 +71,8 @@ def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     Raises:
         InputError: nothing can follow.
     """
-    kind = kind_of(branch)
-    if kind == "ring":
+    if kind_of(branch) == "ring":
         return rings.ring_resumed(branch, options)
-    if kind == "tube":
-        options = tubes.tube_options(options)
     whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
     at_bifurcation = len(branch.points) == 1
     return branch.extended(continue_branch(branch.points[-1].point, whole, at_bifurcation=at_bifurcation))
@@ -97,4 +98,6 @@ def switched(
         return pearls.switched(branch, number, options, centre=centre, grow=grow)
     if kind == "ring":
         return rings.ring_switched(branch, number, options, grow=grow)
+    if kind == "mesh":
+        return meshes.mesh_switched(branch, number, options, grow=grow)
     return tubes.tube_switched(branch, number, options, grow=grow)

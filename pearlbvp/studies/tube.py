@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import get_args
 
-from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
+from pearlbvp.continuation.branch import Branch, BranchOptions, continue_branch, start_point
 from pearlbvp.continuation.switching import switch
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
@@ -14,9 +13,6 @@ from pearlbvp.theory.dispersion import Mode
 from pearlbvp.tube.onset import Family, onset
 from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.tube.spectrum import Fixed
-
-UNRESOLVED = 1e-6
-"""Error of the growth rates, as rigid motions show it, beyond which a branch ends rather than count wrongly."""
 
 
 def tube_branch(
@@ -49,7 +45,7 @@ def tube_branch(
         raise InputError(f"family: {family!r} is none of {', '.join(get_args(Family))}")
     problem, u, direction = onset(Tube(c0, length), family, *mode, fixed=fixed)
     start = start_point(problem, u, direction)
-    return continue_branch(start, tube_options(options or branch_options()), at_bifurcation=True)
+    return continue_branch(start, options or branch_options(), at_bifurcation=True)
 
 
 def tube_switched(
@@ -71,21 +67,4 @@ def tube_switched(
         raise InputError(
             f"switch: at branch point {number} the branch meets a more symmetric one; follow that from its start"
         )
-    return switch(branch, special, tube_options(options), grow=grow)
-
-
-def tube_options(options: BranchOptions) -> BranchOptions:
-    """Options for tubes: where reduced modes end."""
-    return replace(options, limit=_limit)
-
-
-def _limit(point: BranchPoint[TubeProblem]) -> str | None:
-    if point.observables["r_min"] <= 0:
-        return "a cross-section is no longer star-shaped about its centre, as reduced modes need it"
-    if point.spectrum.kernel > UNRESOLVED:
-        size = " x ".join(str(most) for most in point.point.problem.size if most)
-        return (
-            f"its growth rates are known to {point.spectrum.kernel:.0e} only, as its rigid motions show: {size} modes, "
-            "the most there are, do not resolve the shape"
-        )
-    return None
+    return switch(branch, special, options, grow=grow)

@@ -49,6 +49,5 @@ def onset(
     u, direction = np.zeros(len(problem.modes) + 3), np.zeros(len(problem.modes) + 3)
     u[problem.modes.index(Mode("sigma", 0))] = 1.0
     u[-3:] = equation.lambda1, equation.lambda2, 1.0
-    along = 0 if family == "coil" else m
-    direction[problem.modes.index(Mode("y", along) if n == 1 else Mode("sigma", along, "cos", n))] = 1.0
+    direction[problem.modes.index(symmetry.onset_mode)] = 1.0
     return problem, u, direction

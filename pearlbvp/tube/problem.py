@@ -1,8 +1,8 @@
 """Tubes of any symmetry as sums of modes, as ``continuation`` takes them (design, §6 and §7).
 
 Each tube lives in the space of its symmetry (``tube.symmetry``), where its bifurcation is simple. The unknown holds the modes'
-coefficients, then ``lambda1, lambda2, v``. Equations: the energy's gradient by the coefficients with both constraints'
-multipliers, the area, the volume. All are exact derivatives of one trapezoidal sum.
+coefficients, then those of ``lambda1, lambda2, v, c0, length`` that are free. Equations: the energy's gradient by the
+coefficients with both constraints' multipliers, the area, the volume. All are exact derivatives of one trapezoidal sum.
 """
 
 from __future__ import annotations
@@ -12,13 +12,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import Any, ClassVar, get_args
+from typing import Any, ClassVar, NamedTuple, get_args
 
 import numpy as np
 from scipy.fft import next_fast_len
 
 from pearlbvp.collocation.scheme import Array
-from pearlbvp.tube.density import gradients
 from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Basis, Mode
 from pearlbvp.tube.rigid import rigid_motions
@@ -34,17 +33,29 @@ PLANE_TOLERANCE = 1e-7
 far better."""
 
 
+class TubeParameters(NamedTuple):
+    """Multipliers and parameters of a tube, in the order in which those that are free end an unknown."""
+
+    lambda1: float
+    lambda2: float
+    v: float
+    c0: float
+    length: float
+
+
 @dataclass(frozen=True)
 class TubeProblem:
     """Tubes of one symmetry on a number of modes: ``residual(u) = 0`` is a curve.
 
     Attributes:
         symmetry: the symmetry.
-        c0, length: the tube's.
+        c0, length: the tube's, where they are not free.
         size: largest wave numbers along and around, in periods and in folds.
         pinned: rigid motions that the symmetry leaves free, shape (r, N): solutions are perpendicular to them.
         tolerance: of the last modes' curvature, beyond which ``remesh`` takes more.
         fixed: what perturbations keep, for stability.
+        free: names of the parameters that end the unknown, in the order of ``TubeParameters``: three leave a curve.
+        lambda1, lambda2, v: the tube's, where they are not free.
     """
 
     stored_as: ClassVar[str] = "tube"
@@ -56,6 +67,48 @@ class TubeProblem:
     pinned: Array | None = None
     tolerance: float = 2e-8
     fixed: Fixed = "area and volume"
+    free: tuple[str, ...] = ("lambda1", "lambda2", "v")
+    lambda1: float = 0.0
+    lambda2: float = 0.0
+    v: float = 1.0
+
+    def parameters(self, u: Array) -> TubeParameters:
+        """Multipliers and parameters of an unknown: its own where they are free, else the problem's."""
+        own = dict(zip(self.free, map(float, u[len(self.modes) :]), strict=True))
+        return TubeParameters(*(own.get(name, getattr(self, name)) for name in TubeParameters._fields))
+
+    def place(self, name: str) -> int:
+        """Place of a free parameter in every unknown, counted from its end."""
+        return self.free.index(name) - len(self.free)
+
+    def released(self, u: Array, *free: str) -> tuple[TubeProblem, Array]:
+        """The same solution with other parameters free, the rest kept as they are there: to vary ``c0`` at fixed ``v``, say.
+
+        Args:
+            u: a solution.
+            free: names of ``TubeParameters``, in any order: three leave a curve of solutions, four a surface.
+
+        Raises:
+            ValueError: a name that is no parameter.
+        """
+        unknown = set(free) - set(TubeParameters._fields)
+        if unknown:
+            raise ValueError(f"free: {min(unknown)!r} is none of {', '.join(TubeParameters._fields)}")
+        known = self.parameters(u)._asdict()
+        problem = replace(self, free=tuple(name for name in known if name in free), **known)
+        return problem, np.append(self.coefficients(u), [known[name] for name in problem.free])
+
+    def with_second(self, name: str, u: Array, tangent: Array) -> tuple[TubeProblem, list[Array], int]:
+        """The problem with ``c0`` or ``length`` free besides, vectors moved there, and that parameter's place in them.
+
+        Raises:
+            ValueError: another name, or one that is free already.
+        """
+        if name not in ("c0", "length") or name in self.free:
+            raise ValueError(f"second: {name!r} is not c0 or length, or is free already")
+        problem, moved = self.released(u, *self.free, name)
+        place = moved.size + problem.place(name)
+        return problem, [moved, np.insert(tangent, place, 0.0)], place
 
     @property
     def k(self) -> float:
@@ -95,46 +148,46 @@ class TubeProblem:
     def _units(self) -> tuple[int, int]:
         return self.symmetry.period, self.symmetry.fold
 
-    def _gradients(self, u: Array) -> tuple[float, float, float, Array, Array, Array]:
-        """Means of energy, area and volume by unit area of the cylinder, and their gradients."""
-        state = self.waves.state(self.cell, u[:-3])
-        values, slopes = gradients(state, self.c0)
-        by_volume = np.zeros_like(state)
-        by_volume[3] = state[3]  # volume is the mean of sigma^2/2, and sigma is the field b_1
-        transform = self.cell.transform
-        energy, area, volume = (self.waves.linear(self.cell, transform(slope)) for slope in (*slopes, by_volume))
-        return (
-            values[0].mean(),
-            values[1].mean(),
-            float(state[3] @ state[3]) / (2 * state.shape[1]),
-            energy,
-            area,
-            volume,
-        )
+    def _waves(self, u: Array) -> ModeWaves:
+        """The modes as waves on a tube of the length that an unknown has."""
+        return self.waves if "length" not in self.free else self._stretched(u, self.waves)[0]
+
+    def _stretched(self, u: Array, *families: ModeWaves) -> list[ModeWaves]:
+        k = 2 * math.pi / self.parameters(u).length
+        return list(families) if k == self.k else ModeWaves.stretched(k, self.symmetry.turns * k, *families)
 
     def residual(self, u: Array) -> Array:
         """The equations at ``u``, shape (N + 2,)."""
-        _, area, volume, by_energy, by_area, by_volume = self._gradients(u)
-        force = by_energy + u[-3] * by_area + u[-2] * by_volume
+        equilibrium = self.equilibrium(u)
+        force, (_, area, volume) = equilibrium.force(self._waves(u)), equilibrium.means
         if self.pinned is not None:
             # The energy does not change along rigid motions, so this is no force: at a solution it vanishes by itself.
-            force += self.pinned.T @ (self.pinned @ u[:-3])
-        return np.concatenate((force, [area - 1, volume - u[-1] / 2]))
+            force += self.pinned.T @ (self.pinned @ self.coefficients(u))
+        return np.concatenate((force, [area - 1, volume - self.parameters(u).v / 2]))
 
     def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
         """Bordered solve of the residual's Jacobian at ``u``; see ``Problem.solve``."""
-        equilibrium = self.equilibrium(u)
-        second = equilibrium.hessian(self.waves)
+        equilibrium, waves = self.equilibrium(u), self._waves(u)
+        second = equilibrium.hessian(waves)
         if self.pinned is not None:
             second = second + self.pinned.T @ self.pinned
-        by_area, by_volume = equilibrium.constraints(self.waves)
+        by_area, by_volume = equilibrium.constraints(waves)
         rows = np.zeros((0, u.size)) if row is None else np.atleast_2d(row) * self.weights
         size = len(second)
         matrix = np.zeros((size + 2 + len(rows), u.size))
         matrix[:size, :size] = second
-        matrix[:size, size], matrix[:size, size + 1] = by_area, by_volume
         matrix[size, :size], matrix[size + 1, :size] = by_area, by_volume
-        matrix[size + 1, -1] = -0.5
+        for name, column in zip(self.free, matrix.T[size:], strict=True):
+            if name == "lambda1":
+                column[:size] = by_area
+            elif name == "lambda2":
+                column[:size] = by_volume
+            elif name == "v":
+                column[size + 1] = -0.5
+            elif name == "c0":
+                column[:size] = equilibrium.by_c0(waves)
+            else:
+                column[:size], column[size] = equilibrium.by_length(waves, self.parameters(u).length)
         matrix[size + 2 :] = rows
         return np.asarray(np.linalg.solve(matrix, rhs))
 
@@ -142,7 +195,7 @@ class TubeProblem:
     def weights(self) -> Array:
         """Of the entries of ``u`` in the inner product: mean squares of the modes, 1 for the parameters."""
         squares = [(0.5 if mode.p else 1.0) * (0.5 if mode.b else 1.0) for mode in self.modes]
-        return np.array([*squares, 1.0, 1.0, 1.0])
+        return np.array([*squares, *np.ones(len(self.free))])
 
     def inner(self, u: Array, v: Array) -> float:
         """Inner product that does not depend on the number of modes."""
@@ -150,11 +203,11 @@ class TubeProblem:
 
     def observables(self, u: Array) -> dict[str, float]:
         """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L``; radii are measured from the sections' centres."""
-        thin, thick = extremes(self.waves, self.cell, u[:-3])
-        energy = gradients(self.waves.state(self.cell, u[:-3]), self.c0)[0][0].mean()
+        lambda1, lambda2, v, c0, length = self.parameters(u)
+        thin, thick = extremes(self._waves(u), self.cell, self.coefficients(u))
         return {
-            "lambda1": float(u[-3]), "lambda2": float(u[-2]), "v": float(u[-1]), "E": float(energy),
-            "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,
+            "lambda1": lambda1, "lambda2": lambda2, "v": v, "E": self.equilibrium(u).means[0],
+            "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": c0, "L": length,
         }  # fmt: skip
 
     def tails(self, u: Array) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -163,7 +216,8 @@ class TubeProblem:
         Coefficients times ``k^2 + b^2``: what the growth rates, of higher order than the energy, feel of modes left out.
         """
         numbers = np.array([(mode.p, mode.harmonic) for mode in self.modes])
-        curvatures = np.abs(u[:-3]) * ((numbers[:, 0] * self.k) ** 2 + numbers[:, 1] ** 2)
+        k = 2 * math.pi / self.parameters(u).length
+        curvatures = np.abs(self.coefficients(u)) * ((numbers[:, 0] * k) ** 2 + numbers[:, 1] ** 2)
         numbers[numbers == 1] = 0  # the centre is no wave around the tube
         share = numbers / [max(most * unit, 1) for most, unit in zip(self.size, self._units, strict=True)]
         out, longer = np.hypot(*share.T), share[:, 0] >= share[:, 1]
@@ -201,7 +255,7 @@ class TubeProblem:
 
     def coefficients(self, u: Array) -> Array:
         """Those of the modes, shape (N,)."""
-        return u[:-3]
+        return u[: len(self.modes)]
 
     def packed(self, known: Mapping[Mode, float]) -> Array:
         """Coefficients in the order of the modes; those that are not known are 0."""
@@ -209,13 +263,13 @@ class TubeProblem:
 
     def known(self, u: Array) -> dict[Mode, float]:
         """The coefficients of an unknown by mode."""
-        return dict(zip(self.modes, map(float, u[:-3]), strict=True))
+        return dict(zip(self.modes, map(float, self.coefficients(u)), strict=True))
 
     def adopt(self, other: TubeProblem, u: Array) -> Array:
         """An unknown of another number of modes, or of a larger symmetry; modes that it does not have are 0."""
         if other.modes == self.modes:
             return u
-        return np.append(self.packed(other.known(u)), u[-3:])
+        return np.append(self.packed(other.known(u)), u[len(other.modes) :])
 
     def embed(self, block: TubeBlock, centre: str, *vectors: Array) -> tuple[TubeProblem, list[Array]]:
         """The problem in whose space the perturbations of a block live, and vectors moved into it.
@@ -235,7 +289,7 @@ class TubeProblem:
         problem = replace(self, symmetry=symmetry, size=(sizes[0], sizes[1]), pinned=None, tolerance=tolerance)
         moved = [problem.adopt(self, vector) for vector in vectors]
         motions = rigid_motions(self.known(vectors[0]), problem.modes, symmetry.turns)
-        rows = [motion * problem.weights[:-3] for motion in motions if not problem._is_shift(motion)]
+        rows = [motion * problem.coefficients(problem.weights) for motion in motions if not problem._is_shift(motion)]
         if rows:
             problem = replace(problem, pinned=np.array([row / np.linalg.norm(row) for row in rows]))
         return problem, moved
@@ -247,7 +301,13 @@ class TubeProblem:
 
     def grows_at_centre(self, direction: Array) -> bool:
         """A choice between the two halves of a pitchfork: whether its largest coefficient grows."""
-        return bool(direction[:-3][np.abs(direction[:-3]).argmax()] > 0)
+        coefficients = self.coefficients(direction)
+        return bool(coefficients[np.abs(coefficients).argmax()] > 0)
+
+    def wave(self, u: Array) -> float:
+        """A number that changes its sign where a ring, coil, buckle or pearl becomes the straight tube; 1 of other tubes."""
+        mode = self.symmetry.onset_mode
+        return 1.0 if mode is None else self.known(u)[mode]
 
     @cached_property
     def own_block(self) -> TubeBlock:
@@ -256,8 +316,10 @@ class TubeProblem:
 
     @property
     def conserved(self) -> str:
-        """What perturbations keep and the branch does not."""
-        return "v" if self.fixed == "area and volume" else "lambda2"
+        """Of what perturbations keep (``v``, or ``lambda2`` at given pressure, and ``c0``, ``L``), what varies here."""
+        kept = {"v": "v"} if self.fixed == "area and volume" else {"lambda2": "lambda2"}
+        varying = [name for parameter, name in (kept | {"c0": "c0", "length": "L"}).items() if parameter in self.free]
+        return varying[0] if len(varying) == 1 else ""
 
     def poles(self, u: Array) -> Mapping[str, float]:
         """None: the multipliers of these families stay finite."""
@@ -265,27 +327,29 @@ class TubeProblem:
 
     def equilibrium(self, u: Array) -> Equilibrium:
         """The solution as its second variation needs it."""
-        fields = self.waves.state(self.cell, u[:-3])
-        return Equilibrium(self.cell, fields, self.kappa, self.c0, float(u[-3]), float(u[-2]))
+        waves, parameters = self._waves(u), self.parameters(u)
+        fields = waves.state(self.cell, self.coefficients(u))
+        return Equilibrium(self.cell, fields, waves.waves.kappa, parameters.c0, parameters.lambda1, parameters.lambda2)
 
     def _blocks(self, u: Array) -> dict[TubeBlock, ModeWaves]:
-        """All blocks of perturbations; their waves go a little beyond the solution's."""
+        """All blocks of perturbations, on the problem's length; their waves go a little beyond the solution's."""
         period, fold = self._units
-        around = max(8, fold * self.size[1] + 2)
-        fastest = self._fastest(u)
+        parameters, largest = self.parameters(u), self._largest(u)
+        around = max(8, fold * self.size[1] + 2, math.ceil(largest) + 2)
+        fastest = math.ceil(largest * parameters.length / (2 * math.pi))
         along = max(period * (self.size[0] + 2), fastest + 2) if period else fastest + self.symmetry.turns
         if (along, around) not in self._known_blocks:
             waves = ellipse(1, 1, (along, around)) if period else list(product(range(along + 1), range(around + 1)))
             self._known_blocks[along, around] = self._shared(self.symmetry.blocks(waves))
         return self._known_blocks[along, around]
 
-    def _fastest(self, u: Array) -> int:
-        """A wave number along the tube, in units of ``k``, beyond which nothing grows.
+    def _largest(self, u: Array) -> float:
+        """A wave number beyond which nothing grows, along the tube or around it.
 
-        On the cylinder nothing grows beyond ``k^2 = 3 + 2 |lambda2| + 2 |1 - 2 c0|``; deformed shapes get some room.
+        On the cylinder nothing grows beyond ``k^2 + n^2 = 3 + 2 |lambda2| + 2 |1 - 2 c0|``; deformed shapes get some room.
         """
-        largest = math.sqrt(3 + 2 * abs(u[-2]) + 2 * abs(1 - 2 * self.c0))
-        return math.ceil(1.25 * largest / self.k)
+        parameters = self.parameters(u)
+        return 1.25 * math.sqrt(3 + 2 * abs(parameters.lambda2) + 2 * abs(1 - 2 * parameters.c0))
 
     def _shared(self, blocks: Mapping[TubeBlock, list[Mode]]) -> dict[TubeBlock, ModeWaves]:
         """Blocks as sums of waves, which those share that differ in parities alone."""
@@ -309,15 +373,16 @@ class TubeProblem:
     def spectrum(self, u: Array) -> TubeSpectrum:
         """Growth rates of all perturbations that fit the tube."""
         equilibrium, known = self.equilibrium(u), self.known(u)
-        rates, kernel = {}, 0.0
-        for block, modes in self._blocks(u).items():
+        rates, kernel, blocks = {}, 0.0, self._blocks(u)
+        for block, modes in zip(blocks, self._stretched(u, *blocks.values()), strict=True):
             rates[block], error = self._rates(equilibrium, known, modes)
             kernel = max(kernel, error)
         return TubeSpectrum(rates, kernel)
 
     def block_rates(self, u: Array, block: TubeBlock, like: TubeSpectrum) -> Array:
         """Growth rates in one block."""
-        return self._rates(self.equilibrium(u), self.known(u), self._blocks(u)[block])[0]
+        (modes,) = self._stretched(u, self._blocks(u)[block])
+        return self._rates(self.equilibrium(u), self.known(u), modes)[0]
 
     def section(self, u: Array, x: float, points: int = 181) -> tuple[Array, Array]:
         """The cross-section at ``x`` as a closed curve in the plane: ``y`` and ``z``."""
@@ -332,12 +397,14 @@ class TubeProblem:
             x: places along the axis; by default the whole length, both ends among them.
             around: points of each section.
         """
-        x = np.linspace(0, self.length, max(2, round(12 * self.length)) + 1) if x is None else x
+        length = self.parameters(u).length
+        k, kappa = 2 * math.pi / length, 2 * math.pi * self.symmetry.turns / length
+        x = np.linspace(0, length, max(2, round(12 * length)) + 1) if x is None else x
         phi = np.linspace(0, 2 * math.pi, around + 1)
         xs, phis = np.meshgrid(x, phi, indexing="ij")
-        basis = Basis.of(self.modes, self.k, self.kappa, xs.ravel(), phis.ravel())
-        moved = basis.displacement() @ u[:-3]  # turned by e^{-i(kappa x + phi)}
-        plane = (moved[:, 0] + 1j * moved[:, 1]) * np.exp(1j * (self.kappa * xs.ravel() + phis.ravel()))
+        basis = Basis.of(self.modes, k, kappa, xs.ravel(), phis.ravel())
+        moved = basis.displacement() @ self.coefficients(u)  # turned by e^{-i(kappa x + phi)}
+        plane = (moved[:, 0] + 1j * moved[:, 1]) * np.exp(1j * (kappa * xs.ravel() + phis.ravel()))
         return xs, plane.real.reshape(xs.shape), plane.imag.reshape(xs.shape)
 
     def to_tree(self) -> dict[str, Any]:
@@ -347,6 +414,7 @@ class TubeProblem:
             "period": s.period, "fold": s.fold, "turns": s.turns, "group": np.array(sorted(s.group), dtype=np.int64),
             "size": np.array(self.size, dtype=np.int64), "c0": self.c0, "length": self.length,
             "tolerance": self.tolerance, "fixed": self.fixed,
+            "free": ",".join(self.free), "lambda1": self.lambda1, "lambda2": self.lambda2, "v": self.v,
         }  # fmt: skip
         return tree if self.pinned is None else tree | {"pinned": self.pinned}
 
@@ -362,7 +430,13 @@ class TubeProblem:
         group = frozenset(int(element) for element in tree["group"])
         symmetry = TubeSymmetry(int(tree["period"]), int(tree["fold"]), int(tree["turns"]), group)
         size = int(tree["size"][0]), int(tree["size"][1])
+        free = tuple(str(tree.get("free", "lambda1,lambda2,v")).split(","))  # older files know no others
+        if free != tuple(name for name in TubeParameters._fields if name in free):
+            raise ValueError(
+                f"free: {','.join(free)!r} are not some of {','.join(TubeParameters._fields)} in their order"
+            )
+        kept = {name: float(tree[name]) for name in ("lambda1", "lambda2", "v") if name in tree}
         return cls(
             symmetry, float(tree["c0"]), float(tree["length"]), size, tree.get("pinned"), float(tree["tolerance"]),
-            tree["fixed"],
+            tree["fixed"], free, **kept,
         )  # fmt: skip

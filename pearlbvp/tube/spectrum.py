@@ -124,12 +124,17 @@ class Equilibrium:
     lambda2: float
 
     @cached_property
+    def _hessian(self) -> Array:
+        """Second derivatives of the Lagrangian's density in the fields, shape (K, 10, 10)."""
+        hessian: Array = hessians(self.fields, self.c0, self.lambda1)
+        hessian[:, 3, 3] += self.lambda2  # volume is the mean of sigma^2/2, and sigma is the field b_1
+        return hessian
+
+    @cached_property
     def _bending(self) -> MatrixTransform:
         """Second derivatives of the Lagrangian's density in the jets (``tube.waves``)."""
-        hessian = hessians(self.fields, self.c0, self.lambda1)
-        hessian[:, 3, 3] += self.lambda2  # volume is the mean of sigma^2/2, and sigma is the field b_1
         jets = fields_of_jets(self.kappa)
-        return matrix_transform(self.cell, jets.T @ hessian @ jets, IMAGINARY_JETS)
+        return matrix_transform(self.cell, jets.T @ self._hessian @ jets, IMAGINARY_JETS)
 
     @cached_property
     def _moving(self) -> MatrixTransform:
@@ -159,16 +164,66 @@ class Equilibrium:
         return modes.quadratic(bending), modes.quadratic(moving)
 
     @cached_property
+    def _gradients(self) -> tuple[Array, Array]:
+        """Densities of energy and area, shape (2, K), and their gradients in the fields, shape (2, 10, K)."""
+        values, slopes = gradients(self.fields, self.c0)
+        return values, slopes
+
+    @cached_property
+    def _by_volume(self) -> Array:
+        """Gradient of the volume's density, shape (10, K)."""
+        slope = np.zeros_like(self.fields)
+        slope[3] = self.fields[3]
+        return slope
+
+    @cached_property
+    def _force(self) -> Array:
+        """Gradient of the Lagrangian's density, shape (10, K)."""
+        energy, area = self._gradients[1]
+        return np.asarray(energy + self.lambda1 * area + self.lambda2 * self._by_volume)
+
+    @property
+    def means(self) -> tuple[float, float, float]:
+        """Energy, area and volume by unit area of the cylinder."""
+        energy, area = self._gradients[0].mean(axis=1)
+        return float(energy), float(area), float((self.fields[3] ** 2).mean()) / 2
+
+    def force(self, modes: ModeWaves) -> Array:
+        """Gradient of energy and constraints with their multipliers in the modes, shape (N,): 0 at an equilibrium."""
+        return modes.linear(self.cell, self.cell.transform(self._force))
+
+    @cached_property
     def _slopes(self) -> tuple[Complex, Complex]:
-        _, slopes = gradients(self.fields, self.c0)
-        volume = np.zeros_like(self.fields)
-        volume[3] = self.fields[3]
-        return self.cell.transform(slopes[1]), self.cell.transform(volume)
+        return self.cell.transform(self._gradients[1][1]), self.cell.transform(self._by_volume)
 
     def constraints(self, modes: ModeWaves) -> tuple[Array, Array]:
         """Gradients of area and volume in the modes, each of shape (N,)."""
         area, volume = self._slopes
         return modes.linear(self.cell, area), modes.linear(self.cell, volume)
+
+    def by_c0(self, modes: ModeWaves) -> Array:
+        """Derivative by ``c0`` of the energy's gradient in the modes, shape (N,).
+
+        The energy is a polynomial of degree two in ``c0``, so that its central difference over any step is exact.
+        """
+        ahead, behind = (gradients(self.fields, self.c0 + step)[1][0] for step in (1.0, -1.0))
+        return modes.linear(self.cell, self.cell.transform((ahead - behind) / 2))
+
+    def by_length(self, modes: ModeWaves, length: float) -> tuple[Array, float]:
+        """Derivatives by the length of the Lagrangian's gradient in the modes, shape (N,), and of the area's mean.
+
+        The modes keep their numbers of waves, the frame its turns: a field of ``d`` derivatives along the tube is
+        proportional to ``length^-d``, in the solution and in the modes.
+        """
+        order = ORDERS_ALONG[:, None]
+        stretched = order * self.fields
+        weights = order * self._force + np.einsum("kij,jk->ik", self._hessian, stretched)
+        by_area = (self._gradients[1][1] * stretched).sum(axis=0).mean()
+        return -modes.linear(self.cell, self.cell.transform(weights)) / length, -float(by_area) / length
+
+
+ORDERS_ALONG = np.array([1.0, 1.0, 0.0, 0.0, 2.0, 2.0, 1.0, 1.0, 0.0, 0.0])
+"""How often each of the ten fields ``a, b, p, q, s`` (``tube.density``) is differentiated along the tube."""
 
 
 def block_rates(

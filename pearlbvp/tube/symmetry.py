@@ -118,6 +118,16 @@ class TubeSymmetry:
         """What couples parities where wave numbers are not multiples of the period and the fold."""
         return frozenset(element & PARITIES for element in self.group)
 
+    @property
+    def onset_mode(self) -> Mode | None:
+        """The mode in which tubes of this symmetry leave the straight one; None where they do not."""
+        if self not in (
+            ring_symmetry(self.fold), coil_symmetry(self.turns), buckle_symmetry(self.period, self.fold),
+            pearl_symmetry(self.period),
+        ):  # fmt: skip
+            return None
+        return Mode("y", self.period) if self.fold == 1 else Mode("sigma", self.period, "cos", self.fold)
+
     def block(self, j: int, c: int, features: int) -> TubeBlock:
         """The block of perturbations with given classes of wave numbers and features of the symmetry."""
         whole = j == 0 and c == 0

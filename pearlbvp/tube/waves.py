@@ -8,7 +8,7 @@ those of its trapezoidal sum, so the forms are the exact derivatives of that sum
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -211,6 +211,12 @@ class ModeWaves:
             matrix = csc_array((np.array(values, dtype=complex), (rows, columns)), shape=(len(place), len(modes)))
             found.append(cls(tuple(modes), waves, matrix))
         return found
+
+    @staticmethod
+    def stretched(k: float, kappa: float, *families: ModeWaves) -> list[ModeWaves]:
+        """Families of modes on a tube of another length; those that share their waves go on sharing them."""
+        waves = {family.waves: replace(family.waves, k=k, kappa=kappa) for family in families}
+        return [replace(family, waves=waves[family.waves]) for family in families]
 
     def state(self, cell: Cell, coefficients: Array) -> Array:
         """The ten fields of a sum of modes on a cell's grid, shape (10, K)."""

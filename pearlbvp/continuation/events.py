@@ -1,0 +1,165 @@
+"""Events between two consecutive points of a branch: wanted values, turning points of observables, and branch points.
+
+Branch points are sign changes of growth rates, block by block, each located for itself; folds are sign changes of slopes.
+In the problem's own block a rate changes its sign where the conserved quantity turns: the two are one event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Generic
+
+import numpy as np
+
+from pearlbvp.continuation.path import P, PathEnd, Point
+from pearlbvp.continuation.segment import Segment
+
+if TYPE_CHECKING:
+    from pearlbvp.continuation.branch import BranchPoint, Spectrum
+
+
+def slopes(point: Point[P], names: Sequence[str], eps: float = 1e-5) -> dict[str, float]:
+    """Derivatives of observables along the path's tangent, by central differences."""
+    ahead = point.problem.observables(point.u + eps * point.tangent)
+    behind = point.problem.observables(point.u - eps * point.tangent)
+    return {name: (ahead[name] - behind[name]) / (2 * eps) for name in names}
+
+
+@dataclass(frozen=True)
+class Event(Generic[P]):
+    """Something found between two points: where, and what to write of it."""
+
+    s: float
+    kind: str
+    point: Point[P]
+    block: Any = None
+    change: int = 0
+    converged: bool = True
+
+
+EIGENVALUE = 2e-13
+"""Accuracy of the arclength at zeros of growth rates, which have the rounding of their derivatives."""
+
+DIFFERENCE = 1e-9
+"""Size of slopes, as differences know them, by that at the ends of a step."""
+
+
+def _located(
+    segment: Segment[P],
+    kind: str,
+    function: Callable[[Point[P]], float],
+    ends: tuple[float, float],
+    tolerance: float = EIGENVALUE,
+    noise: float = 0.0,
+    **what: Any,
+) -> Event[P]:
+    """An event at a function's sign change; at the segment's end, unconverged, where that cannot be located."""
+    try:
+        point = segment.root(function, ends[0], tolerance, noise)
+    except PathEnd:
+        return Event(segment.length, kind, segment.last, converged=False, **what)
+    s = point.problem.inner(segment.first.tangent, point.u - segment.first.u)
+    return Event(s, kind, point, **what)
+
+
+def _crossing_rates(before: Spectrum, after: Spectrum, neutral: float) -> list[tuple[Any, int, float, float]]:
+    """Blocks and positions of the growth rates that change sign between two points, with their values there.
+
+    Rates that are smaller than ``neutral`` at the first point belong to the bifurcation that the branch starts at.
+    """
+    found = []
+    for block in before.rates.keys() & after.rates.keys():
+        rates, later = before.rates[block], after.rates[block]
+        low, high = sorted((int((rates > 0).sum()), int((later > 0).sum())))
+        found += [(block, k, float(rates[k]), float(later[k])) for k in range(low, high) if abs(rates[k]) > neutral]
+    return sorted(found, key=lambda crossing: (str(crossing[0]), crossing[1]))
+
+
+def _is_symmetric(turn: Event[Any], last: BranchPoint[Any]) -> bool:
+    """Whether a growth rate of the solution's own block touches zero at a turning point."""
+    problem: Any = turn.point.problem
+    if problem.own_block not in last.spectrum.rates:
+        return False
+    rates = problem.block_rates(turn.point.u, problem.own_block, last.spectrum)
+    return bool(np.abs(rates).min() < 1e-6)
+
+
+def first_wanted(first: BranchPoint[P], last: Point[P], until: Mapping[str, float]) -> Event[P] | None:
+    """The first place between two points where an observable (or ``mu_crit``) has its wanted value."""
+    segment = Segment(first.point, last)
+    stops = []
+    for name, value in until.items():
+
+        def difference(point: Point[P], name: str = name, value: float = value) -> float:
+            problem: Any = point.problem
+            found = problem.spectrum(point.u).mu_crit if name == "mu_crit" else point.observables[name]
+            return float(found - value)
+
+        ends = difference(first.point), difference(last)
+        if ends[0] != 0 and ends[0] * ends[1] <= 0:
+            found = _located(segment, "stop", difference, ends, tolerance=1e-13)
+            if not found.converged or abs(difference(found.point)) < 1e-3 * (1 + abs(value)):  # else it was a pole
+                stops.append(found)
+    return min(stops, key=lambda event: event.s, default=None)
+
+
+def _turning(behind: Mapping[str, float], ahead: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+    """Slopes that change sign, at both ends."""
+    return {name: (behind[name], ahead[name]) for name in behind if behind[name] * ahead[name] < 0}
+
+
+def _fold(segment: Segment[P], name: str, ends: tuple[float, float]) -> Event[P]:
+    """The turning point of an observable."""
+    noise = DIFFERENCE * max(map(abs, ends))
+    return _located(segment, f"fold:{name}", lambda p: slopes(p, [name])[name], ends, noise=noise)
+
+
+def events_between(first: BranchPoint[P], last: BranchPoint[P], folds: Sequence[str], at_start: bool) -> list[Event[P]]:
+    """Folds and branch points between two consecutive points, in their order."""
+    segment = Segment(first.point, last.point)
+    events: list[Event[P]] = []
+    problem: Any = first.point.problem
+    for name, before in problem.poles(first.point.u).items():
+        after = problem.poles(problem.adopt(last.point.problem, last.point.u))[name]
+        if before * after < 0:
+            # Growth rates change sign by way of infinity here: their signs tell of no branch points in this step.
+            return [_located(segment, name, lambda p, n=name: p.problem.poles(p.u)[n], (before, after))]  # type: ignore[misc]
+    # At a pitchfork every observable turns: its slope is that of the branch a little further on.
+    behind = segment.point(0.1 * segment.length) if at_start else first.point
+    crossings = _crossing_rates(first.spectrum, last.spectrum, 1e-6 if at_start else 0.0)
+    if any(block == problem.own_block for block, *_ in crossings):
+        segment.refine(segment.length / 2)
+    turns = _turning(slopes(behind, folds), slopes(last.point, folds))
+    turn = None
+    if problem.conserved in turns:
+        turn = _fold(segment, problem.conserved, turns.pop(problem.conserved))
+        own = any(block == problem.own_block for block, *_ in crossings)
+        if turn.converged and not own and _is_symmetric(turn, last):
+            # What turns, turns without a change of stability: the branch passes through a more symmetric solution, and all
+            # observables turn with it. It is a pitchfork, met from its side.
+            return [Event(turn.s, "bp", turn.point, block=problem.own_block)]
+        events.append(turn)
+    for name, ends in turns.items():
+        known = (event.point for event in events if event.converged)
+        together = next((p for p in known if abs(slopes(p, [name])[name]) < 1e-7 * max(map(abs, ends))), None)
+        if together is None:
+            events.append(_fold(segment, name, ends))
+        else:  # energy and volume, say
+            events += [replace(event, kind=f"fold:{name}") for event in events[:] if event.point is together][:1]
+    for block, k, before, after in crossings:
+        if block == problem.own_block and not problem.conserved:
+            continue  # stability changes where the branch neither turns nor meets another
+        event = _located(
+            segment,
+            "bp",
+            lambda p, b=block, i=k: float(p.problem.block_rates(p.u, b, last.spectrum)[i]),  # type: ignore[misc]
+            (before, after),
+            block=block,
+            change=block.multiplicity if after > before else -block.multiplicity,
+        )
+        # In the problem's own block a rate changes sign where the conserved quantity turns: that is the fold.
+        if block == problem.own_block and turn is not None and abs(turn.s - event.s) < 1e-4:
+            continue
+        events.append(event)
+    return sorted(events, key=lambda event: event.s)

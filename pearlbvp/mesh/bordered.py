@@ -1,0 +1,146 @@
+"""Sparse symmetric matrices with dense borders, regular or nearly singular: one factorization of the pinned matrix.
+
+A tube's Hessian has the rigid motions as near kernels, and more at branch points; so it cannot be eliminated first. In two
+dimensions a fourth-order problem may be held at points: the matrix without the rows and columns of a few pinned vertices
+is far from singular. These join the borders in a small dense Schur complement, which is all that a kernel can make
+singular. Inertia adds up over the elimination (E. V. Haynsworth, Linear Algebra Appl. 1 (1968) 73).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from pearlbvp.mesh.periodic import Array, Integers
+
+
+def spread(points: Array, count: int) -> Integers:
+    """Indices of ``count`` points far from each other: each new one is the farthest from those chosen, shape (count,)."""
+    chosen = [0]
+    distance = np.linalg.norm(points - points[0], axis=1)
+    for _ in range(min(count, len(points)) - 1):
+        chosen.append(int(np.argmax(distance)))
+        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
+    return np.sort(np.array(chosen, dtype=np.int64))
+
+
+@dataclass(frozen=True)
+class Pinned:
+    """A sparse symmetric matrix, factorized but for some rows and columns.
+
+    Attributes:
+        matrix: shape (V, V).
+        pins: rows and columns that join the borders, shape (P,).
+        free: the others.
+        factors: those of the matrix at ``free``, pivots on the diagonal.
+    """
+
+    matrix: sparse.csc_matrix
+    pins: Integers
+    free: Integers
+    factors: Any
+
+    @classmethod
+    def of(cls, matrix: sparse.csc_matrix, pins: Integers) -> Pinned:
+        """Factorize.
+
+        Raises:
+            numpy.linalg.LinAlgError: the pinned matrix is singular, or not finite.
+        """
+        if not np.isfinite(matrix.data).all():
+            raise np.linalg.LinAlgError("a matrix that is not finite")
+        free = np.setdiff1d(np.arange(matrix.shape[0]), pins)
+        try:
+            # No pivoting: an LDL^T of a matrix with few negative eigenvalues. relax=1 keeps SuperLU from padding its columns,
+            # which costs it five times as long here.
+            factors = splu(
+                matrix[free][:, free].tocsc(),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                relax=1,
+                options={"SymmetricMode": True},
+            )
+        except RuntimeError as error:
+            raise np.linalg.LinAlgError(str(error)) from None
+        return cls(matrix, pins, free, factors)
+
+    def _eliminated(self, borders: Array) -> Array:
+        """``K_ff^{-1} (K_fp, borders_f)``, shape (F, P + s)."""
+        return np.asarray(
+            self.factors.solve(np.column_stack((self.matrix[:, self.pins].toarray()[self.free], borders[self.free])))
+        )
+
+    def bordered(self, columns: Array, rows: Array, corner: Array) -> Bordered:
+        """The matrix ``(K, columns; rows, corner)``; shapes (V, q), (q, V), (q, q).
+
+        Raises:
+            numpy.linalg.LinAlgError: it is singular.
+        """
+        pins, free = self.pins, self.free
+        borders = self._eliminated(columns)
+        wide = np.column_stack((self.matrix[:, pins].toarray(), columns))  # columns of pins and borders
+        lower = np.vstack((self.matrix[pins].toarray(), rows))
+        schur = np.vstack((wide[pins], np.column_stack((rows[:, pins], corner)))) - lower[:, free] @ borders
+        return Bordered(
+            self, columns, rows, corner, borders, lower[:, free], np.asarray(np.linalg.inv(schur), dtype=np.float64)
+        )
+
+    def negative(self, rows: Array) -> int:
+        """Negative eigenvalues of the matrix on the vectors that all ``rows``, shape (q, V) and independent, annihilate.
+
+        Raises:
+            numpy.linalg.LinAlgError: the factorization had to leave the diagonal, so that its signs do not count.
+        """
+        if not np.array_equal(self.factors.perm_r, self.factors.perm_c):
+            raise np.linalg.LinAlgError("a pivot vanished, and the inertia is unknown")
+        borders = self._eliminated(rows.T)
+        lower = np.vstack((self.matrix[self.pins].toarray(), rows))
+        count = len(self.pins)
+        schur = -lower[:, self.free] @ borders
+        schur[:count, :count] += self.matrix[self.pins][:, self.pins].toarray()
+        schur[count:, :count] += rows[:, self.pins]
+        schur[:count, count:] += rows[:, self.pins].T
+        of_free = int((self.factors.U.diagonal() < 0).sum())
+        return of_free + int((np.linalg.eigvalsh((schur + schur.T) / 2) < 0).sum()) - len(rows)
+
+
+@dataclass(frozen=True)
+class Bordered:
+    """A pinned matrix with its borders, eliminated.
+
+    Attributes:
+        pinned: the matrix.
+        columns, rows, corner: its borders.
+        eliminated: columns of pins and borders solved for at the free rows.
+        lower: rows of pins and borders at the free columns.
+        inverse: of the dense Schur complement.
+    """
+
+    pinned: Pinned
+    columns: Array
+    rows: Array
+    corner: Array
+    eliminated: Array
+    lower: Array
+    inverse: Array
+
+    def solve(self, f: Array, g: Array, refinements: int = 1) -> Array:
+        """Solve for right-hand sides of shapes (V, s) and (q, s): shape (V + q, s)."""
+        found = self._once(f, g)
+        for _ in range(refinements):
+            x, y = np.split(found, [len(f)])
+            matrix = self.pinned.matrix
+            found = found + self._once(f - matrix @ x - self.columns @ y, g - self.rows @ x - self.corner @ y)
+        return found
+
+    def _once(self, f: Array, g: Array) -> Array:
+        free, pins, count = self.pinned.free, self.pinned.pins, len(self.pinned.pins)
+        first = self.pinned.factors.solve(f[free])
+        y = self.inverse @ (np.vstack((f[pins], g)) - self.lower @ first)
+        x = np.empty_like(f)
+        x[free], x[pins] = first - self.eliminated @ y, y[:count]
+        return np.vstack((x, y[count:]))

@@ -1,0 +1,93 @@
+"""Families of meshes: structured tubes near the best quality, jittered ones, and meshes of given surfaces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from pearlbvp.errors import InputError
+from pearlbvp.mesh.periodic import Array, PeriodicMesh
+
+Surface = Callable[[Array, Array], Array]
+"""Points, shape (K, 3), of parameters ``x`` and ``phi``, shape (K,), with ``x + L`` a period further along."""
+
+
+def divisions(length: float, nodes: int) -> tuple[int, int]:
+    """Rows along the tube (even, every other one shifted by half a node) and nodes in each, best in quality.
+
+    The best triangles are equilateral: rows at ``sqrt(3)/2`` of the nodes' distance. Among pairs with a number of
+    nodes within a tenth of the wanted one, that of the smallest ``e_M (e_1 + e_2 + e_3)/(2 |T|)`` (paper, eq. (mq)).
+    """
+    best, chosen = math.inf, (4, 4)
+    for around in range(5, max(6, nodes // 4) + 1):
+        for rows in {2 * round(nodes / around / 2 + step) for step in (-1, 0, 1)}:
+            if rows < 4 or abs(rows * around / nodes - 1) > 0.1:
+                continue
+            # chords of the polygon; the slanted edge goes to the middle of the next row's gap
+            base = 2 * math.sin(math.pi / around)
+            slanted = math.sqrt((length / rows) ** 2 + (2 * math.sin(math.pi / around / 2)) ** 2)
+            half = (base + 2 * slanted) / 2
+            area = math.sqrt(half * (half - base) * (half - slanted) ** 2)
+            quality = max(base, slanted) * 2 * half / (2 * area)
+            score = quality + abs(rows * around / nodes - 1)  # of equally good ones the nearest in number
+            if score < best:
+                best, chosen = score, (rows, around)
+    if not math.isfinite(best):
+        raise InputError(f"nodes: {nodes} are too few for a tube of length {length:g}; give more")
+    return chosen
+
+
+def tube_mesh(length: float, nodes: int, surface: Surface | None = None) -> PeriodicMesh:
+    """A structured mesh of a tube with about ``nodes`` vertices: by default the straight tube of radius 1.
+
+    Rows at ``x = const``, every other one turned by half a node: it has planes of reflection both ways.
+
+    Args:
+        length: the period.
+        nodes: vertices wanted; the number taken is within a tenth of it.
+        surface: points of other tubes by ``x`` and ``phi``.
+
+    Raises:
+        InputError: too few nodes, or a surface that gives no good mesh.
+    """
+    if nodes < 20:
+        raise InputError(f"nodes: {nodes} make no tube; give 20 or more")
+    rows, around = divisions(length, int(nodes))
+    j, i = np.divmod(np.arange(rows * around), around)
+    x, phi = length * j / rows, 2 * np.pi * (i + 0.5 * (j % 2)) / around
+    odd = j % 2
+    right, up, up_left = j * around + (i + 1) % around, (j + 1) % rows * around, (i - 1 + odd) % around
+    above, before = up + (i + odd) % around, up + up_left
+    wrap = (j + 1 == rows).astype(np.int64)
+    zero = np.zeros_like(wrap)
+    here = np.arange(rows * around)
+    # x to the right, phi upwards is clockwise seen from outside where phi runs from y to z: take phi first.
+    triangles = np.concatenate((np.column_stack((here, above, right)), np.column_stack((here, before, above))))
+    wraps = np.concatenate((np.column_stack((zero, wrap, zero)), np.column_stack((zero, wrap, wrap))))
+    points = cylinder(x, phi) if surface is None else np.asarray(surface(x, phi), dtype=float)
+    mesh = PeriodicMesh(points, triangles[:, ::-1], wraps[:, ::-1], length)
+    return mesh
+
+
+def cylinder(x: Array, phi: Array) -> Array:
+    """Points of the straight tube, shape (K, 3)."""
+    return np.column_stack((x, np.cos(phi), np.sin(phi)))
+
+
+def jittered(mesh: PeriodicMesh, amount: float = 0.2, seed: int = 0, surface: Surface | None = None) -> PeriodicMesh:
+    """The same triangles with vertices moved along the straight tube at random.
+
+    Args:
+        mesh: of the straight tube.
+        amount: standard deviation in units of the mean edge; beyond about 0.25 triangles may fold over.
+        seed: of the random numbers.
+        surface: points of another tube, by the moved parameters.
+    """
+    rng = np.random.default_rng(seed)
+    size = amount * mesh.edge_lengths.mean() * rng.standard_normal((mesh.count, 2)).clip(-2, 2)
+    x = mesh.vertices[:, 0] + size[:, 0]
+    phi = np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1]) + size[:, 1]
+    return replace(mesh, vertices=(surface or cylinder)(x, phi))

@@ -1,0 +1,119 @@
+"""Meshes in files of other programs, through meshio: VTU, PLY, OBJ. One period, cut open where it begins again."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from xml.etree.ElementTree import ParseError
+
+import meshio
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pearlbvp.errors import InputError
+from pearlbvp.files import writable, write_whole
+from pearlbvp.helfrich import positive
+from pearlbvp.mesh.periodic import Array, PeriodicMesh
+
+FORMATS = {".vtu": "vtu", ".ply": "ply", ".obj": "obj"}
+
+SAME = 1e-5
+"""Distance, in mean edges, at which two points a period apart are one: formats differ in their digits."""
+
+
+def _format(name: str, path: Path) -> str:
+    try:
+        return FORMATS[path.suffix.lower()]
+    except KeyError:
+        raise InputError(
+            f"{name}: {path.name} has none of the endings {', '.join(FORMATS)}; choose one of these formats"
+        ) from None
+
+
+def write_mesh(mesh: PeriodicMesh, path: str | os.PathLike[str], data: Mapping[str, Array] | None = None) -> None:
+    """Write one period of a mesh; corners in the next period get vertices of their own.
+
+    Args:
+        mesh: its vertices on the surface.
+        path: ending in ``.vtu``, ``.ply`` or ``.obj``.
+        data: values at the vertices by name, shape (V,); only VTU and PLY keep them.
+
+    Raises:
+        InputError: another ending, or a place that cannot be written to.
+    """
+    path = writable("out", path)
+    kind = _format("out", path)
+    mesh = mesh.reduced()
+    pairs, corners = np.unique(
+        np.column_stack((mesh.triangles.ravel(), mesh.wraps.ravel())), axis=0, return_inverse=True
+    )
+    points = mesh.vertices[pairs[:, 0]]
+    points[:, 0] += mesh.length * pairs[:, 1]
+    values = {} if kind == "obj" else {name: np.asarray(value)[pairs[:, 0]] for name, value in (data or {}).items()}
+    made = meshio.Mesh(points, [("triangle", corners.reshape(-1, 3).astype(np.int32))], point_data=values)
+    write_whole("out", path, lambda temporary: meshio.write(temporary, made, file_format=kind))
+
+
+def read_mesh(path: str | os.PathLike[str], length: float) -> PeriodicMesh:
+    """Read one period of a tube that is cut open, whatever the cut; points a period apart are one vertex.
+
+    Args:
+        path: a VTU, PLY or OBJ file.
+        length: the period.
+
+    Raises:
+        InputError: no such file, or it is no triangulated tube of that period; the message names the first element.
+    """
+    path, length = Path(path), positive("length", length)
+    kind = _format("mesh", path)
+    if not path.is_file():
+        raise InputError(f"mesh: there is no file {path}; give one that exists")
+    if kind == "ply" and b"end_header" not in path.read_bytes()[:100_000]:  # meshio would look for it for ever
+        raise InputError(f"mesh: {path} cannot be read as PLY (its header does not end); export it again")
+    try:
+        found = meshio._helpers.reader_map[kind](str(path))  # meshio.read() ends the program where a file is broken
+    except (
+        meshio.ReadError,
+        ParseError,
+        OSError,
+        ValueError,
+        KeyError,
+        IndexError,
+        TypeError,
+        AssertionError,
+    ) as error:
+        raise InputError(
+            f"mesh: {path} cannot be read as {kind.upper()} ({str(error) or 'cut off'}); export it again"
+        ) from None
+    blocks = [np.asarray(block.data) for block in found.cells if block.type == "triangle"]
+    others = sorted({block.type for block in found.cells} - {"triangle", "vertex", "line"})
+    if others or not blocks:
+        raise InputError(f"mesh: {path} has {', '.join(others) or 'no faces'}; give one of triangles only")
+    return joined(np.asarray(found.points, dtype=float), np.concatenate(blocks).astype(np.int64), length)
+
+
+def joined(points: Array, triangles: np.ndarray, length: float) -> PeriodicMesh:
+    """A cut tube, shapes (P, 3) and (T, 3), as a periodic mesh: points a period apart become one vertex.
+
+    Raises:
+        InputError: the result is no tube.
+    """
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InputError(f"vertices: points of shape {points.shape} are not (P, 3); give x, y, z of each")
+    if (triangles < 0).any() or (triangles >= len(points)).any():
+        raise InputError(f"triangles: a corner is none of the {len(points)} vertices; count them from 0")
+    edges = points[triangles] - points[np.roll(triangles, -1, axis=1)]
+    near = SAME * float(np.linalg.norm(edges, axis=2).mean())
+    used = np.unique(triangles)
+    angle = 2 * np.pi * points[used, 0] / length
+    circle = length / (2 * np.pi)
+    places = np.column_stack((circle * np.cos(angle), circle * np.sin(angle), points[used, 1:]))
+    first = np.arange(len(points))
+    for i, j in sorted(cKDTree(places).query_pairs(near)):
+        first[used[j]] = min(first[used[j]], first[used[i]])
+    kept, number = np.unique(first[used], return_inverse=True)
+    vertex, wrap = np.zeros(len(points), dtype=np.int64), np.zeros(len(points), dtype=np.int64)
+    vertex[used] = number
+    wrap[used] = np.round((points[used, 0] - points[first[used], 0]) / length).astype(np.int64)
+    return PeriodicMesh(points[kept], vertex[triangles], wrap[triangles], length)

@@ -1,0 +1,186 @@
+"""Energy, area and volume of a mesh as functions of displacements, by one of two discretizations.
+
+- ``subdivision``: the surface is the limit of Loop's subdivision of the mesh. Conforming, of fourth order in the mesh
+  width where all valences are 6, convergent on every mesh.
+- ``cotangent``: the surface is the polyhedron, its mean curvature that of the cotangent Laplacian with lumped mass: the
+  paper's own (Appendix B), of second order on structured meshes.
+
+Both sum exact derivatives, and hand on one sparse symmetric Hessian.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from pearlbvp.mesh.limit import limit_mass, limit_sums
+from pearlbvp.mesh.operators import barycentric_mass, vertex_normals, volume_gradient
+from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
+from pearlbvp.mesh.polyhedron import star_sums
+from pearlbvp.mesh.subdivision import Patches, Topology, limit_matrix, patches
+
+Kind = Literal["subdivision", "cotangent"]
+
+
+class Sums(NamedTuple):
+    """Values and gradients of energy, area and volume."""
+
+    values: Array
+    gradients: Array
+
+
+@dataclass(frozen=True)
+class Functional:
+    """Energy, area and volume on the triangles of a mesh, for any positions of its vertices.
+
+    Attributes:
+        mesh: the triangles; its vertices are the reference only.
+        kind: the discretization.
+    """
+
+    mesh: PeriodicMesh
+    kind: Kind = "subdivision"
+
+    def on(self, mesh: PeriodicMesh) -> Functional:
+        """The same discretization on another mesh; what depends on the triangles only is kept where they are the same."""
+        other = Functional(mesh, self.kind)
+        if mesh.triangles is self.mesh.triangles and mesh.wraps is self.mesh.wraps:
+            kept = ("_patches", "_stars", "_groups", "_pattern", "_limit")
+            other.__dict__.update({name: self.__dict__[name] for name in kept if name in self.__dict__})
+        return other
+
+    @cached_property
+    def _patches(self) -> Patches:
+        return patches(self.mesh)
+
+    @cached_property
+    def _stars(self) -> tuple[Integers, Integers, Array]:
+        start, order = self.mesh.star
+        return start, self.mesh.head[order], self.mesh.length * self.mesh.shift[order].astype(float)
+
+    @cached_property
+    def _groups(self) -> tuple[Integers, Integers]:
+        """Vertices that one term of the sums depends on: where each group starts, and all."""
+        if self.kind == "subdivision":
+            return self._patches.start, self._patches.index
+        start, head, _ = self._stars
+        return start + np.arange(len(start)), np.insert(head, start[:-1], np.arange(self.mesh.count))
+
+    @cached_property
+    def _pattern(self) -> tuple[Integers, Integers, Integers]:
+        """Where each pair of each group goes among the Hessian's nonzeros; its row indices and column starts."""
+        start, index = self._groups
+        sizes = np.diff(start)
+        keys = np.empty(int((sizes**2).sum()), dtype=np.int64)
+        places = np.concatenate(([0], np.cumsum(sizes**2)))
+        for size in np.unique(sizes):
+            chosen = np.flatnonzero(sizes == size)
+            members = index[start[chosen][:, None] + np.arange(size)]
+            pairs = members[:, :, None] + self.mesh.count * members[:, None, :]
+            keys[places[chosen][:, None] + np.arange(size**2)] = pairs.reshape(len(chosen), -1)
+        known, place = np.unique(keys, return_inverse=True)
+        columns = np.searchsorted(known // self.mesh.count, np.arange(self.mesh.count + 1))
+        return place.astype(np.int64).ravel(), known % self.mesh.count, columns
+
+    def _matrix(self, data: Array) -> sparse.csc_matrix:
+        _, rows, columns = self._pattern
+        return sparse.csc_matrix((data, rows, columns), shape=(self.mesh.count, self.mesh.count))
+
+    def _sum(
+        self,
+        vertices: Array,
+        directions: Array,
+        c0: float,
+        lambda1: float,
+        lambda2: float,
+        place: Integers,
+        data: Array,
+    ) -> Sums:
+        if self.kind == "subdivision":
+            p = self._patches
+            values, gradients = limit_sums(
+                vertices,
+                directions,
+                p.start,
+                p.index,
+                p.weights,
+                p.offsets,
+                p.weight,
+                c0,
+                lambda1,
+                lambda2,
+                place,
+                data,
+            )
+        else:
+            values, gradients = star_sums(vertices, directions, *self._stars, c0, lambda1, lambda2, place, data)
+        return Sums(values, gradients)
+
+    def sums(self, vertices: Array, directions: Array, c0: float) -> Sums:
+        """Energy, area and volume of one period, shape (3,), and their gradients along ``directions``, shape (3, V)."""
+        none = np.zeros(0, dtype=np.int64)
+        return self._sum(vertices, directions, c0, 0.0, 0.0, none, np.zeros(0))
+
+    def hessian(
+        self, vertices: Array, directions: Array, c0: float, lambda1: float, lambda2: float
+    ) -> tuple[sparse.csc_matrix, Sums]:
+        """Second derivative of ``E + lambda1 A + lambda2 V`` along ``directions``, shape (V, V), with the sums."""
+        place, rows, _ = self._pattern
+        data = np.zeros(len(rows))
+        sums = self._sum(vertices, directions, c0, lambda1, lambda2, place, data)
+        return self._matrix(data), sums
+
+    def normal_mass(self, vertices: Array, directions: Array) -> tuple[sparse.csc_matrix, Array]:
+        """Mean square of normal displacements, and rigid motions in it.
+
+        Returns:
+            The mass matrix, shape (V, V), and its product with the normal displacements of the translations along
+            ``x, y, z`` and the rotation about ``x``, shape (4, V).
+        """
+        if self.kind == "subdivision":
+            p = self._patches
+            place, rows, _ = self._pattern
+            data = np.zeros(len(rows))
+            motions = limit_mass(vertices, directions, p.start, p.index, p.weights, p.offsets, p.weight, place, data)
+            return self._matrix(data), motions
+        normals = volume_gradient(self.mesh.moved(vertices))
+        mass = barycentric_mass(self.mesh.moved(vertices))
+        moved = np.einsum("ix,ix->i", normals, directions) / mass
+        turn = vertices[:, 1] * normals[:, 2] - vertices[:, 2] * normals[:, 1]
+        return sparse.diags(mass * moved**2, format="csc"), np.vstack((normals.T, turn)) * moved
+
+    @cached_property
+    def _limit(self) -> tuple[Topology, sparse.csr_matrix, Array]:
+        return limit_matrix(self.mesh)
+
+    def points(self, vertices: Array) -> Array:
+        """Where the vertices lie on the surface, shape (V, 3)."""
+        if self.kind == "cotangent":
+            return vertices
+        _, matrix, offsets = self._limit
+        points = matrix @ vertices
+        points[:, 0] += offsets
+        return points
+
+    def vertices_near(self, points: Array) -> Array:
+        """Vertices whose surface passes near ``points``, shape (V, 3).
+
+        They leave the points along the normals only. Interpolation would have to displace them along the surface as well,
+        which tangles irregular meshes, and what remains Newton's method removes.
+        """
+        if self.kind == "cotangent":
+            return points
+        normals = vertex_normals(self.mesh.moved(points))
+        vertices = points
+        for _ in range(CORRECTIONS):
+            gap = np.einsum("ix,ix->i", points - self.points(vertices), normals)
+            vertices = vertices + gap[:, None] * normals
+        return vertices
+
+
+CORRECTIONS = 4
+"""Of vertices so that the surface meets given points: each leaves at most half of the gap, and little of a smooth one."""

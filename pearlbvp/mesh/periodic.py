@@ -1,0 +1,264 @@
+"""Triangulated surfaces that are periodic along ``x``, without a seam: every corner of a triangle knows its period.
+
+A corner is a vertex and a whole number of periods by which it is shifted; edge vectors come from both. So no vertex is
+doubled, no boundary exists, and nothing depends on where ``x = 0`` lies (compare paper, Appendix B, which cuts the tube).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from pearlbvp.compiled import compiled
+from pearlbvp.errors import InputError
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+WORST = 100.0
+"""Quality (eq. (mq)) beyond which a triangle is a sliver. Equilateral triangles have ``2 sqrt(3) = 3.46``."""
+
+
+@dataclass(frozen=True)
+class PeriodicMesh:
+    """A closed triangulated tube of one period.
+
+    Attributes:
+        vertices: shape (V, 3), axis along ``x``; any representative of a vertex modulo the period will do.
+        triangles: vertices of the corners, shape (T, 3), counterclockwise seen from outside.
+        wraps: periods by which each corner is shifted along ``x``, shape (T, 3).
+        length: the period.
+
+    Raises:
+        InputError: it is no oriented manifold tube, or has slivers; the message names the first offending element.
+    """
+
+    vertices: Array
+    triangles: Integers
+    wraps: Integers
+    length: float
+
+    def __post_init__(self) -> None:
+        for name, kind in (("vertices", np.float64), ("triangles", np.int64), ("wraps", np.int64)):
+            object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=kind))
+        object.__setattr__(self, "length", float(self.length))
+        _check_arrays(self)
+        _check_topology(self)
+        _check_shape(self)
+
+    @property
+    def count(self) -> int:
+        """Number of vertices."""
+        return len(self.vertices)
+
+    @cached_property
+    def corners(self) -> Array:
+        """Positions of the triangles' corners, shape (T, 3, 3)."""
+        corners = self.vertices[self.triangles]
+        corners[..., 0] += self.length * self.wraps
+        return corners
+
+    @cached_property
+    def tail(self) -> Integers:
+        """First vertex of each half-edge, shape (3T,): half-edge ``3 t + a`` leads from corner ``a`` of ``t`` to the next."""
+        return self.triangles.ravel()
+
+    @cached_property
+    def head(self) -> Integers:
+        """Last vertex of each half-edge, shape (3T,)."""
+        return np.ascontiguousarray(np.roll(self.triangles, -1, axis=1)).ravel()
+
+    @cached_property
+    def shift(self) -> Integers:
+        """Periods between the ends of each half-edge, shape (3T,)."""
+        return (np.roll(self.wraps, -1, axis=1) - self.wraps).ravel()
+
+    def _keys(self, tail: Integers, head: Integers, shift: Integers) -> Integers:
+        """One number for each directed edge."""
+        most = int(np.abs(self.shift).max()) + 1
+        return (tail * self.count + head) * (2 * most + 1) + shift + most
+
+    @cached_property
+    def twin(self) -> Integers:
+        """The half-edge that runs the other way, shape (3T,); -1 where there is none."""
+        keys = self._keys(self.tail, self.head, self.shift)
+        order = np.argsort(keys)
+        back = self._keys(self.head, self.tail, -self.shift)
+        place = np.minimum(np.searchsorted(keys[order], back), len(keys) - 1)
+        return np.where(keys[order[place]] == back, order[place], -1)
+
+    @cached_property
+    def edges(self) -> Integers:
+        """One half-edge for each edge, shape (E,)."""
+        return np.flatnonzero(np.arange(len(self.twin)) < self.twin)
+
+    @cached_property
+    def star(self) -> tuple[Integers, Integers]:
+        """Half-edges that leave each vertex, counterclockwise: where each vertex's begin, shape (V + 1,), and all, (3T,)."""
+        start = np.concatenate(([0], np.cumsum(np.bincount(self.tail, minlength=self.count))))
+        first = np.empty(self.count, dtype=np.int64)
+        first[self.tail] = np.arange(len(self.tail))
+        return start, _walk(start, first, self.twin)
+
+    @cached_property
+    def edge_vectors(self) -> Array:
+        """Vector of each half-edge, shape (3T, 3)."""
+        vectors = self.vertices[self.head] - self.vertices[self.tail]
+        vectors[:, 0] += self.length * self.shift
+        return vectors
+
+    @cached_property
+    def edge_lengths(self) -> Array:
+        """Lengths of the edges from corner 0 to 1, 1 to 2 and 2 to 0 of each triangle, shape (T, 3)."""
+        return np.linalg.norm(self.edge_vectors, axis=1).reshape(-1, 3)
+
+    @cached_property
+    def area_vectors(self) -> Array:
+        """Outward normal of each triangle times its area, shape (T, 3)."""
+        edges = self.edge_vectors.reshape(-1, 3, 3)
+        return 0.5 * np.cross(edges[:, 0], -edges[:, 2])
+
+    @cached_property
+    def areas(self) -> Array:
+        """Areas of the triangles, shape (T,)."""
+        return np.linalg.norm(self.area_vectors, axis=1)
+
+    @cached_property
+    def quality(self) -> Array:
+        """``e_M (e_1 + e_2 + e_3)/(2 |T|)`` of each triangle (paper, eq. (mq)), shape (T,); the best is ``2 sqrt(3)``."""
+        edges = self.edge_lengths
+        with np.errstate(divide="ignore"):
+            return np.asarray(edges.max(axis=1) * edges.sum(axis=1) / (2 * self.areas))
+
+    @property
+    def area(self) -> float:
+        """Area of the polyhedral surface, one period."""
+        return float(self.areas.sum())
+
+    @property
+    def volume(self) -> float:
+        """Volume inside one period: the flux of ``(0, y, z)/2``, which no end disc sees. Exact for the polyhedron."""
+        return float((self.corners.mean(axis=1)[:, 1:] * self.area_vectors[:, 1:]).sum() / 2)
+
+    def moved(self, vertices: Array) -> PeriodicMesh:
+        """The same triangles on other vertices, checked for slivers and orientation only."""
+        mesh = object.__new__(PeriodicMesh)
+        for name in ("triangles", "wraps", "length"):
+            object.__setattr__(mesh, name, getattr(self, name))
+        object.__setattr__(mesh, "vertices", np.ascontiguousarray(vertices, dtype=np.float64))
+        for name in ("tail", "head", "shift", "twin", "edges", "star"):  # what vertices do not change
+            mesh.__dict__[name] = getattr(self, name)
+        _check_shape(mesh)
+        return mesh
+
+    def reduced(self) -> PeriodicMesh:
+        """The same surface with every vertex in ``[0, L)``."""
+        periods = np.floor(self.vertices[:, 0] / self.length).astype(np.int64)
+        vertices = self.vertices - np.outer(periods, [self.length, 0, 0])
+        wraps = self.wraps + periods[self.triangles]
+        return replace(self, vertices=vertices, wraps=wraps - wraps.min(axis=1, keepdims=True))
+
+    def to_tree(self) -> dict[str, Any]:
+        """Everything as arrays and numbers, to be saved."""
+        return {name: getattr(self, name) for name in ("vertices", "triangles", "wraps", "length")}
+
+
+@compiled
+def _walk(start, first, twin):  # type: ignore[no-untyped-def]
+    """Half-edges out of each vertex in order; -1 where a vertex's triangles are no single fan."""
+    order = np.full(twin.size, -1, dtype=np.int64)
+    for i in range(start.size - 1):
+        half_edge = first[i]
+        for place in range(start[i], start[i + 1]):
+            order[place] = half_edge
+            before = half_edge - 1 if half_edge % 3 else half_edge + 2
+            half_edge = twin[before]
+            if half_edge == first[i] and place + 1 < start[i + 1]:
+                break
+    return order
+
+
+def _first(wrong: Any) -> int | None:
+    """Index of the first element that is wrong."""
+    return int(np.argmax(wrong)) if wrong.any() else None
+
+
+def _check_arrays(mesh: PeriodicMesh) -> None:
+    vertices, triangles = mesh.vertices, mesh.triangles
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
+        raise InputError(f"vertices: shape {vertices.shape} is not (V, 3); give x, y, z of each vertex")
+    if triangles.ndim != 2 or triangles.shape[1] != 3 or len(triangles) == 0 or mesh.wraps.shape != triangles.shape:
+        raise InputError(
+            f"triangles: shapes {triangles.shape} and {mesh.wraps.shape} of triangles and wraps are not both (T, 3)"
+        )
+    if not (np.isfinite(mesh.length) and mesh.length > 0):
+        raise InputError(f"length: the period {mesh.length:g} is not a positive number; give the tube's period")
+    if (i := _first(~np.isfinite(vertices).all(axis=1))) is not None:
+        raise InputError(f"vertices: vertex {i} at {vertices[i]} is not finite; give ordinary numbers")
+    if (t := _first(((triangles < 0) | (triangles >= len(vertices))).any(axis=1))) is not None:
+        raise InputError(
+            f"triangles: triangle {t} has corners {triangles[t]}, but there are {len(vertices)} vertices; "
+            "count them from 0"
+        )
+    used = np.bincount(triangles.ravel(), minlength=len(vertices))
+    if (i := _first(used == 0)) is not None:
+        raise InputError(f"vertices: vertex {i} belongs to no triangle; leave it out")
+
+
+def _check_topology(mesh: PeriodicMesh) -> None:
+    triangles = mesh.triangles
+    keys = mesh._keys(mesh.tail, mesh.head, mesh.shift)
+    _, place, number = np.unique(keys, return_index=True, return_counts=True)
+    if (number > 1).any():
+        doubled = int(place[number > 1].min())
+        raise InputError(
+            f"triangles: the edge from vertex {mesh.tail[doubled]} to {mesh.head[doubled]} (triangle {doubled // 3}) runs the "
+            "same way in two "
+            "triangles; orient all triangles alike, with two at every edge"
+        )
+    if (h := _first(mesh.twin < 0)) is not None:
+        raise InputError(
+            f"triangles: the edge from vertex {mesh.tail[h]} to {mesh.head[h]} (triangle {h // 3}) has no second triangle; "
+            "close the surface, and check that its ends match at the period"
+        )
+    start, order = mesh.star
+    if (gap := _first(order < 0)) is not None:
+        i = int(np.searchsorted(start, gap, side="right")) - 1
+        raise InputError(f"triangles: those about vertex {i} are no single fan; split the vertex")
+    number, parts = connected_components(
+        coo_matrix((np.ones(len(mesh.tail)), (mesh.tail, mesh.head)), shape=(mesh.count, mesh.count)), directed=False
+    )
+    if number > 1:
+        raise InputError(
+            f"vertices: vertex {_first(parts != parts[0])} cannot be reached from vertex 0; give one tube, not {number}"
+        )
+    if not mesh.shift.any():
+        raise InputError(
+            f"wraps: no edge of the {len(mesh.edges)} leads into the next period, so the surface is closed; give a tube"
+        )
+    if (euler := mesh.count - len(mesh.edges) + len(triangles)) != 0:
+        raise InputError(
+            f"triangles: their Euler characteristic is {euler}, that of a periodic tube is 0; mesh one tube"
+        )
+
+
+def _check_shape(mesh: PeriodicMesh) -> None:
+    spans = np.abs(mesh.edge_vectors[:, 0])
+    if (h := _first(spans > 0.4 * mesh.length)) is not None:
+        raise InputError(
+            f"length: the edge from vertex {mesh.tail[h]} to {mesh.head[h]} spans {spans[h]:.3g} along x, too much of the "
+            f"period {mesh.length:g}; give the period that the mesh was made for, or more vertices"
+        )
+    if (t := _first(np.logical_not(mesh.quality < WORST))) is not None:
+        raise InputError(
+            f"vertices: triangle {t} with corners {mesh.triangles[t]} is a sliver of quality {mesh.quality[t]:.3g} "
+            f"(at most {WORST:g}, 3.46 is best); improve the mesh there"
+        )
+    if not mesh.volume > 0:
+        raise InputError("triangles: triangle 0 and all others are seen clockwise from outside; reverse their corners")

@@ -1,0 +1,321 @@
+"""Equilibria of triangulated tubes, as ``continuation`` takes them (design, §8; paper, Appendix B).
+
+Vertices move from a reference mesh along its normals, ``X_i = X0_i + u_i N_i``. The unknown holds ``u``, multipliers of
+the phase conditions, then ``lambda1, lambda2, v``. Equations: the energy's gradient with all constraints' multipliers, the
+phase conditions (the displacement contains no rigid motion), the area, the volume. Gradients and Hessians are exact
+derivatives of one sum, so the Jacobian is symmetric; constraints stay outside the sparse factorization.
+
+A displacement along normals cannot follow large motions with a good mesh: where the reference no longer fits, ``remesh``
+takes the surface itself as the next reference, with triangles split, collapsed and flipped where they need it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from pearlbvp.continuation.path import correct
+from pearlbvp.mesh.adaptation import AdaptOptions, adapted, measured, needs_adaptation, satisfied, spread_out
+from pearlbvp.mesh.bordered import Pinned, spread
+from pearlbvp.mesh.functional import Functional, Kind, Sums
+from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
+from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
+from pearlbvp.mesh.samples import Samples
+from pearlbvp.mesh.sections import radii
+from pearlbvp.mesh.spectrum import Fixed, MeshBlock, MeshSpectrum, independent, leading
+from pearlbvp.mesh.subdivision import subdivided
+from pearlbvp.newton import NewtonOptions
+
+PINS = 16
+"""Vertices held in the factorization: more than there are near kernels, few enough to cost nothing."""
+
+RATES = 6
+"""Growth rates computed besides the positive ones."""
+
+
+NEUTRAL_TOGETHER = 1e-4
+"""Growth rates at a branch point that vanish together, up to how well it was located and its symmetry is kept."""
+
+
+@dataclass(frozen=True)
+class MeshProblem:
+    """Equilibria near a reference mesh: ``residual(u) = 0`` is a curve.
+
+    Attributes:
+        mesh: the reference.
+        phases: rows that the displacement must be orthogonal to, shape (P, V).
+        c0: spontaneous curvature.
+        kind: the discretization.
+        fixed: what perturbations keep, for stability.
+        adapt: when and how the mesh is adapted.
+    """
+
+    stored_as: ClassVar[str] = "mesh"
+
+    mesh: PeriodicMesh
+    phases: Array
+    c0: float
+    kind: Kind = "subdivision"
+    fixed: Fixed = "area and volume"
+    adapt: AdaptOptions = field(default_factory=AdaptOptions)
+
+    @property
+    def length(self) -> float:
+        """The period."""
+        return self.mesh.length
+
+    @cached_property
+    def functional(self) -> Functional:
+        """Energy, area and volume on the mesh."""
+        return Functional(self.mesh, self.kind)
+
+    @cached_property
+    def directions(self) -> Array:
+        """In which the vertices move, shape (V, 3)."""
+        return vertex_normals(self.mesh)
+
+    @cached_property
+    def _pins(self) -> Integers:
+        return spread(self.mesh.vertices, PINS)
+
+    def vertices(self, u: Array) -> Array:
+        """The vertices displaced, shape (V, 3)."""
+        return np.asarray(self.mesh.vertices + u[: self.mesh.count, None] * self.directions)
+
+    def points(self, u: Array) -> Array:
+        """Where the vertices lie on the surface, shape (V, 3)."""
+        return self.functional.points(self.vertices(u))
+
+    def surface(self, u: Array) -> PeriodicMesh:
+        """The mesh on the surface, to draw and to write."""
+        return self.mesh.moved(self.points(u))
+
+    def multipliers(self, u: Array) -> Array:
+        """Those of the phase conditions, shape (P,): 0 but for the discretization's error."""
+        return u[self.mesh.count : -3]
+
+    def residual(self, u: Array) -> Array:
+        """The equations at ``u``, shape (V + P + 2,)."""
+        sums, w = self._sums(u), u[: self.mesh.count]
+        (_, area, volume), (by_energy, by_area, by_volume) = sums.values, sums.gradients
+        force = by_energy + u[-3] * by_area + u[-2] * by_volume + self.multipliers(u) @ self.phases
+        return np.concatenate(
+            (
+                force,
+                self.phases @ w,
+                [area - 2 * math.pi * self.length, volume - math.pi * self.length * u[-1]],
+            )
+        )
+
+    def _sums(self, u: Array) -> Sums:
+        return self.functional.sums(self.vertices(u), self.directions, self.c0)
+
+    def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
+        """Bordered solve of the residual's Jacobian at ``u``; see ``Problem.solve``."""
+        hessian, sums = self.functional.hessian(self.vertices(u), self.directions, self.c0, u[-3], u[-2])
+        extra = np.zeros((0, u.size)) if row is None else np.atleast_2d(row) * self.weights
+        count, phases = self.mesh.count, len(self.phases)
+        _, by_area, by_volume = sums.gradients
+        zero = np.zeros(count)
+        columns = np.vstack((self.phases, by_area, by_volume, zero)).T
+        rows = np.vstack((self.phases, by_area, by_volume, extra[:, :count]))
+        corner = np.zeros((len(rows), phases + 3))
+        corner[phases + 1, -1] = -math.pi * self.length
+        corner[phases + 2 :] = extra[:, count:]
+        load = rhs.reshape(u.size, -1)
+        bordered = Pinned.of(hessian, self._pins).bordered(columns, rows, corner)
+        return bordered.solve(load[:count], load[count:]).reshape(rhs.shape)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Of the entries of ``u`` in the inner product: shares of the area, 1 for the parameters."""
+        mass = barycentric_mass(self.mesh)
+        return np.concatenate((mass / mass.sum(), np.ones(len(self.phases) + 3)))
+
+    def inner(self, u: Array, v: Array) -> float:
+        """Inner product: mean of the displacements' product and that of the parameters."""
+        return float((u * self.weights) @ v)
+
+    def observables(self, u: Array) -> dict[str, float]:
+        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L``; radii are measured from the sections' centres."""
+        energy, area, _ = self._sums(u).values
+        thin, thick = radii(self.surface(u))
+        return {
+            "lambda1": float(u[-3]), "lambda2": float(u[-2]), "v": float(u[-1]), "E": float(energy / area),
+            "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,
+        }  # fmt: skip
+
+    @property
+    def own_block(self) -> MeshBlock:
+        """The one block of all perturbations."""
+        return MeshBlock()
+
+    @property
+    def conserved(self) -> str:
+        """What perturbations keep and the branch does not."""
+        return "v" if self.fixed == "area and volume" else "lambda2"
+
+    def poles(self, u: Array) -> Mapping[str, float]:
+        """None are watched: the multipliers of a mesh are those of its energy."""
+        return {}
+
+    def modes(self, u: Array, count: int = RATES) -> tuple[Array, Array, int]:
+        """Leading growth rates, their displacements as columns, shape (V, count), and the number of positive rates."""
+        vertices = self.vertices(u)
+        second, sums = self.functional.hessian(vertices, self.directions, self.c0, u[-3], u[-2])
+        mass, motions = self.functional.normal_mass(vertices, self.directions)
+        kept = sums.gradients[1:] if self.fixed == "area and volume" else sums.gradients[1:2]
+        unit = kept / np.linalg.norm(kept, axis=1)[:, None] * np.linalg.norm(motions[1])
+        rows = np.vstack([independent(some, second, mass, self._pins) for some in (unit, motions)])
+        return leading(second, mass, rows, self._pins, count)
+
+    def spectrum(self, u: Array) -> MeshSpectrum:
+        """The leading growth rates, and whether all positive ones are among them."""
+        rates, _, unstable = self.modes(u)
+        return MeshSpectrum({MeshBlock(): rates}, int((rates > 0).sum()) == unstable)
+
+    def block_rates(self, u: Array, block: MeshBlock, like: MeshSpectrum) -> Array:
+        """The leading growth rates, largest first."""
+        return self.modes(u, max(RATES, len(like.rates[block])))[0]
+
+    def remesh(self, u: Array, *others: Array) -> tuple[MeshProblem, list[Array]] | None:
+        """The problem about the surface itself on an adapted mesh, where the reference no longer fits; else None."""
+        surface, options = self.surface(u), measured(self.adapt, self.mesh)
+        vertices, count = self.vertices(u), self.mesh.count
+        poor = needs_adaptation(surface, options)
+        tilt = np.einsum("ix,ix->i", vertex_normals(self.mesh.moved(vertices)), self.directions).min()
+        if not poor and tilt > options.steepest:
+            return None
+        fields = [vector[:count, None] * self.directions for vector in others]
+        if poor and self.kind == "subdivision" and surface.areas.max() > options.largest * options.area:
+            mesh, matrix = subdivided(self.mesh.moved(vertices))
+            fields, options = [matrix @ moves for moves in fields], satisfied(options, mesh)
+        else:
+            samples = self._samples(u)
+            if poor and self.kind == "cotangent":
+                surface = adapted(surface, samples, options)
+            else:
+                surface = spread_out(surface, samples, options.spreading)
+            options = satisfied(options, surface)
+            mesh = surface.moved(self.functional.on(surface).vertices_near(surface.vertices))
+            fields = [samples.field(surface.vertices, moves) for moves in fields]
+        functional = self.functional.on(mesh)
+        problem, moved = about(mesh, self.c0, u[-3:], self.kind, functional, fixed=self.fixed, adapt=options)
+        same_volume = np.zeros_like(moved)
+        same_volume[-1] = 1.0
+        settled, _ = correct(problem, moved, same_volume, moved, 0.0, NewtonOptions(max_iterations=20, damping=4))
+        # Along the branch, the new mesh's error would move the point; so it does only where v turns.
+        vectors = [settled.u if settled.converged else moved]
+        for vector, moves in zip(others, fields, strict=True):
+            along = np.einsum("ix,ix->i", moves, problem.directions)
+            vectors.append(np.concatenate((along, np.zeros(len(problem.phases)), vector[-3:])))
+        return problem, vectors
+
+    def _samples(self, u: Array) -> Samples:
+        """The surface at ``u``, to project onto."""
+        mesh = self.mesh.moved(self.vertices(u))
+        if self.kind == "cotangent":  # the smooth surface near the polyhedron
+            mesh = mesh.moved(Functional(mesh).vertices_near(mesh.vertices))
+        return Samples.of(mesh)
+
+    def adopt(self, other: MeshProblem, u: Array) -> Array:
+        """An unknown on another mesh, moved onto this one: displacements to its surface along this one's directions."""
+        if other is self:
+            return u
+        points, vertices = self.functional.points(self.mesh.vertices), other.vertices(u)
+        guess = np.zeros(self.mesh.count)
+        if len(vertices) == self.mesh.count:  # much the same mesh: a good guess where the surface is far away
+            guess = np.einsum("ix,ix->i", vertices - self.mesh.vertices, self.directions)
+        along = other._samples(u).distance_along(points, self.directions, guess)
+        return np.concatenate((along, np.zeros(len(self.phases)), u[-3:]))
+
+    def embed(self, block: MeshBlock, centre: str, *vectors: Array) -> tuple[MeshProblem, list[Array]]:
+        """The problem with phase conditions that leave one neutral displacement of several.
+
+        Where a symmetry breaks that shifts or turns the surface along itself, neutral displacements come in twos or fours,
+        shifted and turned. The one that is largest in the middle of the period is left, the others become phase conditions.
+
+        Args:
+            block: the one block there is.
+            centre: not used; the middle of the period is the centre.
+            vectors: the solution at a branch point first, then others.
+        """
+        u = vectors[0]
+        rates, modes, _ = self.modes(u)
+        neutral = modes[:, np.abs(rates) < NEUTRAL_TOGETHER]
+        mass, _ = self.functional.normal_mass(self.vertices(u), self.directions)
+        at_centre = neutral[self._middle]
+        if neutral.shape[1] < 2 or not at_centre.any():
+            return self, list(vectors)
+        others = np.linalg.svd(at_centre[None])[2][1:]  # combinations that vanish there
+        phases = np.vstack((self.phases, others @ (mass @ neutral).T))
+        found, count, more = replace(self, phases=phases), self.mesh.count + len(self.phases), np.zeros(len(others))
+        return found, [np.concatenate((vector[:count], more, vector[-3:])) for vector in vectors]
+
+    @property
+    def _middle(self) -> int:
+        """The vertex nearest to the middle of the period, at ``phi = 0``."""
+        x, y = self.mesh.vertices[:, 0], self.mesh.vertices[:, 1]
+        return int(np.argmin((x % self.length - self.length / 2) ** 2 + (y - y.max()) ** 2))
+
+    def grows_at_centre(self, direction: Array) -> bool:
+        """Whether the tube grows at the vertex nearest to the middle of the period."""
+        return bool(direction[self._middle] > 0)
+
+    def to_tree(self) -> dict[str, Any]:
+        """Everything as arrays, numbers and words, to be saved."""
+        return self.mesh.to_tree() | self.adapt.to_tree() | {
+            "phases": self.phases, "c0": self.c0, "kind": self.kind, "fixed": self.fixed
+        }  # fmt: skip
+
+    @classmethod
+    def from_tree(cls, tree: Mapping[str, Any]) -> MeshProblem:
+        """The inverse of ``to_tree``."""
+        mesh = PeriodicMesh(tree["vertices"], tree["triangles"], tree["wraps"], float(tree["length"]))
+        phases, adapt = np.asarray(tree["phases"], dtype=float), AdaptOptions.from_tree(tree)
+        return cls(mesh, phases, float(tree["c0"]), tree["kind"], tree["fixed"], adapt)
+
+
+def phase_rows(problem: MeshProblem, u: Array) -> Array:
+    """Rows of the rigid motions that move the surface along its normals, shape (P, V)."""
+    vertices, directions = problem.vertices(u), problem.directions
+    second, _ = problem.functional.hessian(vertices, directions, problem.c0, u[-3], u[-2])
+    mass, motions = problem.functional.normal_mass(vertices, directions)
+    return independent(motions, second, mass, problem._pins)
+
+
+def about(
+    mesh: PeriodicMesh,
+    c0: float,
+    parameters: Array,
+    kind: Kind = "subdivision",
+    functional: Functional | None = None,
+    **others: Any,
+) -> tuple[MeshProblem, Array]:
+    """The problem about a mesh, with phase conditions against the rigid motions that move it, and its unknown there.
+
+    Args:
+        mesh: the reference.
+        c0: spontaneous curvature.
+        parameters: ``lambda1, lambda2, v``.
+        kind: the discretization.
+        functional: that on the mesh, where there is one already.
+        others: further attributes of the problem.
+    """
+    problem = MeshProblem(mesh, np.zeros((0, mesh.count)), c0, kind, **others)
+    problem.__dict__["functional"] = functional or Functional(mesh, kind)
+    return with_phases(problem, np.concatenate((np.zeros(mesh.count), parameters)))
+
+
+def with_phases(problem: MeshProblem, u: Array, shape: Array | None = None) -> tuple[MeshProblem, Array]:
+    """The problem with the phase conditions of the surface at ``shape``, by default ``u``, and ``u`` moved there."""
+    rows = phase_rows(problem, u if shape is None else shape)
+    found = replace(problem, phases=rows)
+    for name in ("functional", "directions", "_pins"):
+        found.__dict__[name] = getattr(problem, name)
+    return found, np.concatenate((u[: problem.mesh.count], np.zeros(len(rows)), u[-3:]))

@@ -1,0 +1,57 @@
+"""Where branches of each family end: what its discretization cannot describe, or not to the accuracy that counts need."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pearlbvp.continuation.branch import BranchPoint
+from pearlbvp.continuation.two_parameters import CurveOnSurface
+from pearlbvp.mesh.problem import MeshProblem
+from pearlbvp.tube.problem import TubeProblem
+
+THINNEST_NECK = 4e-3
+"""Radius of the neck at which a branch of pearls ends: beyond, rounding spoils the count of unstable waves."""
+
+RESOLVED = 1e-4
+"""Error of the growth rates of pearls beyond which a branch ends rather than count wrongly."""
+
+RESOLVED_TUBE = 1e-6
+"""The same of tubes in reduced modes, as rigid motions show it."""
+
+
+def limit(point: BranchPoint[Any]) -> str | None:
+    """Why a branch of pearls, tubes or meshes, or a curve in two parameters, ends at a point, or None."""
+    problem = point.point.problem
+    base = problem.base if isinstance(problem, CurveOnSurface) else problem
+    if isinstance(base, TubeProblem):
+        return _tube_limit(base, point)
+    return _mesh_limit(point) if isinstance(base, MeshProblem) else _pearl_limit(point)
+
+
+def _mesh_limit(point: BranchPoint[Any]) -> str | None:
+    if not point.spectrum.complete:
+        return "not all unstable perturbations were found; take a finer mesh"
+    return None
+
+
+def _pearl_limit(point: BranchPoint[Any]) -> str | None:
+    if not point.spectrum.complete:
+        n = max(block.n for block in point.spectrum.rates)
+        return f"waves of more than n = {n} around the tube grow: its tension is {point.observables['lambda1']:.3g}"
+    if point.spectrum.residual > RESOLVED:
+        return f"its spectrum is known to {point.spectrum.residual:.0e} only, at a neck of {point.observables['r_min']:.1e}"
+    if point.observables["r_min"] < THINNEST_NECK:
+        return f"the neck is thinner than {THINNEST_NECK:g} radii: the surface is about to touch its axis"
+    return None
+
+
+def _tube_limit(problem: TubeProblem, point: BranchPoint[Any]) -> str | None:
+    if point.observables["r_min"] <= 0:
+        return "a cross-section is no longer star-shaped about its centre, as reduced modes need it"
+    if point.spectrum.kernel > RESOLVED_TUBE:
+        size = " x ".join(str(most) for most in problem.size if most)
+        return (
+            f"its growth rates are known to {point.spectrum.kernel:.0e} only, as its rigid motions show: {size} modes, "
+            "the most there are, do not resolve the shape"
+        )
+    return None

@@ -1,0 +1,150 @@
+"""Triangulated tubes: branches on meshes from the straight tube on, and meshes of shapes that were computed otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from pearlbvp.collocation import PiecewisePolynomial
+from pearlbvp.collocation.scheme import Array
+from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
+from pearlbvp.continuation.switching import switch, tangent_along
+from pearlbvp.helfrich import Tube
+from pearlbvp.mesh.adaptation import AdaptOptions
+from pearlbvp.mesh.families import Surface, tube_mesh
+from pearlbvp.mesh.functional import Kind
+from pearlbvp.mesh.problem import MeshProblem
+from pearlbvp.mesh.start import Form, equilibrium, onset
+from pearlbvp.stability.profile import Profile
+from pearlbvp.studies.branch import branch_options, numbered
+from pearlbvp.theory.dispersion import Mode
+
+NODES = 3000
+"""Vertices of a mesh by default: four digits of the branch points of the straight tube."""
+
+AROUND = 256
+"""Points of a section from which those between them are interpolated."""
+
+
+def mesh_branch(
+    c0: float,
+    length: float,
+    family: Form,
+    mode: Mode,
+    nodes: int = NODES,
+    options: BranchOptions | None = None,
+    *,
+    kind: Kind = "subdivision",
+    adapt: AdaptOptions | None = None,
+) -> Branch[MeshProblem]:
+    """The branch that leaves the straight tube at a mode, on a triangulated surface, with stability.
+
+    Args:
+        c0: spontaneous curvature.
+        length: axial period of the tube, in radii.
+        family: ``pearl`` (mode ``m,0``), ``ring`` (``0,n``), ``coil`` or ``buckle`` (``m,n``).
+        mode: waves along and around the tube.
+        nodes: vertices of the mesh at first.
+        options: where to stop and how to step, from ``studies.branch.branch_options``.
+        kind: the discretization.
+        adapt: when and how the mesh is adapted on the way.
+
+    Returns:
+        The branch; its table has the columns of a branch of pearls.
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+    tube = Tube(c0, length)
+    problem, u, direction = onset(tube, family, *mode, tube_mesh(tube.length, nodes), kind)
+    problem = replace(problem, adapt=adapt or AdaptOptions())
+    start = start_point(problem, u, direction)
+    return continue_branch(start, options or branch_options(), at_bifurcation=True)
+
+
+def meshed(point: BranchPoint[Any], nodes: int = NODES, *, kind: Kind = "subdivision") -> tuple[MeshProblem, Array]:
+    """The equilibrium on a mesh at the reduced volume of a computed pearl, ring, coil or buckle.
+
+    Args:
+        point: of a branch of ``studies.branch`` or ``studies.tube``.
+        nodes: vertices of the mesh.
+        kind: the discretization.
+
+    Returns:
+        The problem and its unknown: ``problem.observables(u)``, ``problem.spectrum(u)``, ``problem.surface(u)``.
+
+    Raises:
+        InputError: the mesh is too coarse for the shape.
+    """
+    found = point.observables
+    mesh = tube_mesh(found["L"], nodes, _surface(point.point.problem, point.point.u, found["L"]))
+    return equilibrium(mesh, found["c0"], found["v"], found["lambda1"], found["lambda2"], kind)
+
+
+def branch_from(
+    problem: MeshProblem, u: Array, options: BranchOptions, *, upwards: bool = False
+) -> Branch[MeshProblem]:
+    """The branch through an equilibrium, towards larger or smaller ``v`` at first."""
+    direction = np.zeros_like(u)
+    direction[-1] = 1.0 if upwards else -1.0
+    start = start_point(problem, u, tangent_along(problem, u, direction))
+    return continue_branch(start, options)
+
+
+def mesh_switched(
+    branch: Branch[MeshProblem], number: int, options: BranchOptions, *, grow: bool = True
+) -> Branch[MeshProblem]:
+    """The branch that crosses ``branch`` at its branch point ``number`` (the first is 1).
+
+    Args:
+        branch: a branch on meshes.
+        number: which of its branch points; those that shift or turn into each other come in twos, and lead to one branch.
+        options: where to stop and how to step.
+        grow: follow the half on which the tube grows in the middle of the period.
+
+    Raises:
+        InputError: there is no such branch point, or it was not located.
+    """
+    return switch(branch, numbered(branch, number), options, grow=grow)
+
+
+def _surface(problem: Any, u: Array, length: float) -> Surface:
+    """Points of a computed shape by two parameters: ``x``, from 0 to the length, and ``phi``."""
+    if hasattr(problem, "profile"):
+        return _of_profile(problem.profile(u))
+    return _of_sections(lambda x: problem.section(u, x, AROUND + 1))
+
+
+def _of_profile(profile: Profile) -> Surface:
+    """An axisymmetric shape; the parameter ``x`` is the arclength, scaled to the length."""
+    whole = profile.mirrored()
+    states = whole.states
+    cosines = PiecewisePolynomial(states.mesh, np.cos(states.values[:, 1:2]))
+    along = PiecewisePolynomial(states.mesh, whole.arclength * cosines.integral())
+
+    def points(x: Array, phi: Array) -> Array:
+        sigma = (x / profile.period) % 1.0
+        r = states(sigma)[:, 0]
+        return np.column_stack((along(sigma)[:, 0], r * np.cos(phi), r * np.sin(phi)))
+
+    return points
+
+
+def _of_sections(section: Callable[[float], tuple[Array, Array]]) -> Surface:
+    """A shape with plane sections, each a closed curve by ``phi`` at equal distances."""
+
+    def points(x: Array, phi: Array) -> Array:
+        found = np.empty((len(x), 3))
+        for place in np.unique(x):
+            here = x == place
+            y, z = section(float(place))
+            wave = np.fft.fft(y[:-1] + 1j * z[:-1]) / (len(y) - 1)
+            numbers = np.fft.fftfreq(len(wave), 1 / len(wave))
+            curve = np.exp(1j * np.outer(phi[here], numbers)) @ wave
+            found[here] = np.column_stack((np.full(here.sum(), place), curve.real, curve.imag))
+        return found
+
+    return points

@@ -1,0 +1,126 @@
+"""Triangulated tubes: time of a Newton step and of the leading rates, memory, and convergence on families of meshes.
+
+Run as ``python tests/benchmarks/mesh.py``.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import resource
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from pearlbvp.errors import InputError
+from pearlbvp.mesh.adaptation import AdaptOptions, adapted, smoothed
+from pearlbvp.mesh.families import jittered, tube_mesh
+from pearlbvp.mesh.functional import Kind
+from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.mesh.samples import Samples
+from pearlbvp.mesh.start import branch_point, equilibrium, straight
+from pearlbvp.theory.dispersion import critical_lambda2
+
+LENGTH = 10.0
+
+
+def best(function: Callable[[], object], repeats: int = 3) -> float:
+    """Shortest time of several calls, in seconds, after one that is not counted."""
+    function()
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def swept(x: Array, phi: Array) -> Array:
+    """The straight tube by other parameters: vertices crowd here and thin out there, smoothly."""
+    k = 2 * np.pi / LENGTH
+    x, phi = x + 0.5 * np.sin(k * x + phi), phi + 0.2 * np.sin(2 * k * x) * np.cos(phi)
+    return np.column_stack((x, np.cos(phi), np.sin(phi)))
+
+
+def edited(mesh: PeriodicMesh) -> PeriodicMesh:
+    """A mesh of which half was refined by splits, collapses and flips."""
+    options = AdaptOptions(area=float(mesh.areas.mean()), largest=0.7, worst=6.0, rounds=3, most=int(1.4 * mesh.count))
+    return adapted(mesh, Samples.of(mesh), options)
+
+
+def families(nodes: int) -> Iterator[tuple[str, PeriodicMesh]]:
+    """Meshes of the straight tube."""
+    mesh = tube_mesh(LENGTH, nodes)
+    yield "structured", mesh
+    yield "swept smoothly", tube_mesh(LENGTH, nodes, swept)
+    for amount in (0.02, 0.1):
+        yield f"jittered by {amount}", jittered(mesh, amount)
+    yield "0.1, smoothed", smoothed(jittered(mesh, 0.1))
+    yield "edited", edited(tube_mesh(LENGTH, int(nodes / 1.3)))
+
+
+def convergence(kind: Kind, sizes: tuple[int, ...] = (1000, 3000)) -> None:
+    """Errors of the branch points of pearls, coils and wrinkles, and their orders in the mesh width."""
+    print(f"\n{kind}: error in lambda2 of the branch points, order in the mesh width from line to line")
+    known: dict[tuple[str, int], tuple[int, float]] = {}
+    for nodes in sizes:
+        for name, mesh in families(nodes):
+            cells = []
+            for place, (m, n) in enumerate(((1, 0), (1, 1), (0, 2))):
+                exact = float(critical_lambda2(2 * np.pi * m / LENGTH, n, 0.0))
+                try:
+                    error = abs(float(branch_point(mesh, 0.0, m, n, kind)[1][-2]) - exact)
+                except InputError as failure:
+                    cells.append(f"({m},{n}) {str(failure)[:24]}")
+                    continue
+                before = known.get((name, place))
+                order = (
+                    "" if before is None else f" {2 * np.log(before[1] / error) / np.log(mesh.count / before[0]):4.1f}"
+                )
+                known[name, place] = mesh.count, error
+                cells.append(f"({m},{n}) {error:.1e}{order:5s}")
+            print(
+                f"  {name:18s} {mesh.count:6d} vertices, quality {mesh.quality.max():5.2f}: " + "   ".join(cells),
+                flush=True,
+            )
+
+
+def pearl(nodes: int, kind: Kind) -> tuple[float, float]:
+    """Seconds of a Newton step and of the six leading rates on a bulged tube."""
+    k = 2 * np.pi / LENGTH
+
+    def surface(x: Array, phi: Array) -> Array:
+        r = 1 + 0.2 * np.cos(k * x)
+        return np.column_stack((x, r * np.cos(phi), r * np.sin(phi)))
+
+    problem, u = equilibrium(tube_mesh(LENGTH, nodes, surface), 0.0, 1.01, 1.25, -1.0, kind)
+    rhs = np.ones((u.size, 2))
+    row = np.ones(u.size)
+    return best(lambda: (problem.residual(u), problem.solve(u, rhs, row))), best(lambda: problem.modes(u))
+
+
+def main() -> None:
+    """Print everything."""
+    for kind in ("subdivision", "cotangent"):
+        for nodes in (1000, 4000, 12000):
+            step, rates = pearl(nodes, kind)
+            memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+            print(f"{kind:12s} {nodes:6d} vertices: Newton step {step:.2f} s, six leading rates {rates:.2f} s; "
+                  f"at most {memory:.2f} GiB so far", flush=True)  # fmt: skip
+    problem, u = straight(tube_mesh(LENGTH, 4000), 0.0, 0.3)
+    print(f"refinement as a whole from 4,000 vertices: {best(lambda: _refined(problem, u), 1):.2f} s")
+    for kind in ("subdivision", "cotangent"):
+        convergence(kind)
+
+
+def _refined(problem: object, u: Array) -> None:
+    assert hasattr(problem, "remesh")
+    assert replace(problem, adapt=AdaptOptions(area=1.0, largest=1e-4)).remesh(u) is not None  # type: ignore[type-var]
+
+
+if __name__ == "__main__":
+    main()
