@@ -110,7 +110,7 @@ def diagram(
             if isinstance(branch, str):
                 skipped[name] = branch
                 continue
-            twin = next((other for other, known in branches.items() if _same(known, branch)), None)
+            twin = next((other for other, known in branches.items() if join_the_same(known, branch)), None)
             if twin is not None:
                 skipped[name] = f"it is the branch {twin}"
                 continue
@@ -205,7 +205,7 @@ def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, str]]:
             yield f"{name}/{number} neck", number, "neck"
 
 
-def _same(one: Branch[Any], two: Branch[Any]) -> bool:
+def join_the_same(one: Branch[Any], two: Branch[Any]) -> bool:
     """Whether two branches join the same two solutions, in either direction, as far as their observables tell."""
     first, last = (one.points[place].observables for place in (0, -1))
     return any(
