@@ -383,6 +383,9 @@ def test_tubes_are_saved_resumed_and_switched(capsys, tmp_path):
         ("ring", ("--resume", "SAVED", "--switch", "7"), "switch"),
         ("coil", ("--c0", "0", "--length", "10", "--tolerance", "1e-8"), "--tolerance"),
         ("ring", ("--c0", "0", "--length", "10", "--mode", "1,2"), "--mode"),
+        ("coil", ("--c0", "0", "--length", "10", "--mode", "1,0"), "--mode"),
+        ("coil", ("--c0", "0", "--length", "0"), "length"),
+        ("buckle", ("--c0", "nan", "--length", "10"), "--c0"),
     ],
 )
 def test_options_that_a_family_does_not_have(capsys, tmp_path, family, options, named):

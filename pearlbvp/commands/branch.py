@@ -250,7 +250,10 @@ def _from_the_cylinder(
         raise InputError(f"--tolerance: it is for pearls and rings; leave it out with {family}")
     from pearlbvp.studies.tube import tube_branch
 
-    return tube_branch(tube.c0, tube.length, family, mode, options, fixed=fixed)  # type: ignore[arg-type]
+    try:
+        return tube_branch(tube.c0, tube.length, family, mode, options, fixed=fixed)  # type: ignore[arg-type]
+    except InputError as error:  # what the study calls a family is the command's own name: the mode is to be changed
+        raise InputError(str(error).replace("family:", "--mode:", 1)) from None
 
 
 def _check_kind(family: str, kind: str) -> None:
