@@ -1,6 +1,7 @@
 """Triangulated tubes as branches: against pearls, coils and buckles computed otherwise, adaptation, spectra, files."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,10 +14,14 @@ from pearlbvp.figures.mesh import draw_mesh
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.amplitudes import amplitudes
-from pearlbvp.mesh.families import jittered, tube_mesh
+from pearlbvp.mesh.families import divisions, jittered, tube_mesh
 from pearlbvp.mesh.files import joined, read_mesh, write_mesh
 from pearlbvp.mesh.problem import about
+from pearlbvp.mesh.samples import Samples
+from pearlbvp.mesh.spectrum import MeshBlock
 from pearlbvp.mesh.start import onset, solved, straight
+from pearlbvp.mesh.subdivision import limit_matrix
+from pearlbvp.mesh.symmetry import mean, orbits
 from pearlbvp.studies.branch import branch_options
 from pearlbvp.studies.mesh import branch_from, mesh_branch, meshed
 from pearlbvp.studies.saved import load, save, switched
@@ -214,21 +219,29 @@ def test_switching_to_modulated_rings():
     They leave in twos, shifted along the tube; the branch has a phase condition against that, keeps
     ``-2 d(E/A)/dv = lambda2``, and lies below the rings.
     """
-    rings = mesh_branch(0.0, L, "ring", (0, 2), 250, branch_options({"v": 0.948}))
+    rings = mesh_branch(0.0, L, "ring", (0, 2), 400, branch_options({"v": 0.948}))
     place = rings.find("bp")[0].index
+    assert [special.converged for special in rings.find("bp")] == [True, True]
     assert rings.points[-1].spectrum.n_unstable == rings.points[place - 1].spectrum.n_unstable + 2
-    branch = switched(rings, 1, branch_options(max_points=4, step=0.05))
-    assert len(branch.points) >= 3, branch.reason
+    branch = switched(rings, 1, branch_options(max_points=5, step=0.05))
+    assert len(branch.points) >= 4, branch.reason
     last = branch.points[-1]
     assert np.ptp(centres_radius(last.point)) > 0.02
     assert np.abs(last.point.problem.multipliers(last.point.u)).max() < 1e-5
     v, energy, pressure = (np.array([e.observables[name] for e in branch.points]) for name in ("v", "E", "lambda2"))
     slope = -2 * np.diff(energy[1:]) / np.diff(v[1:])  # the first step leads to another reference, with another error
     np.testing.assert_allclose(slope, (pressure[2:] + pressure[1:-1]) / 2, rtol=3e-3)
-    start, end = rings.points[place].observables, rings.points[-1].observables
-    ring_energy = np.interp(v[-1], [end["v"], start["v"]], [end["E"], start["E"]])
-    assert end["v"] < v[-1] < start["v"]
-    assert energy[-1] < ring_energy
+    at_end = rings.points[-1].point
+    gaps = [at_volume(at_end, volume)["lambda2"] for volume in v[1:]] - pressure[1:]
+    assert (np.diff(v[1:]) < 0).all()
+    assert (np.diff(gaps) > 0).all()  # so the energy falls below that of the rings as v does
+
+
+def at_volume(point, v):
+    """Observables at another volume of the same branch."""
+    start = point.u.copy()
+    start[-1] = v
+    return point.problem.observables(solved(point.problem, start))
 
 
 def centres_radius(point):
@@ -319,6 +332,77 @@ def test_pictures(mesh_coil, tmp_path):
     figure = draw_mesh(entry.problem.surface(entry.u), title="coil")
     figure.savefig(tmp_path / "coil.png")
     assert (tmp_path / "coil.png").stat().st_size > 20_000
+
+
+def test_orbits_are_those_of_the_group():
+    """Sizes of the orbits by counting: of a pearl, a ring, a buckle and nothing, on 28 rows of 16 vertices."""
+    rows, around = divisions(L, 450)
+    mesh = tube_mesh(L, 450)
+    assert (rows, around, mesh.count) == (28, 16, 448)
+    x, phi = 2 * np.pi * mesh.vertices[:, 0] / L, np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])
+    for wave, generic in (
+        (np.cos(x), 2 * around),  # turns, and x to -x
+        (np.cos(2 * phi), 4 * rows // 2),  # shifts by two rows, and phi to -phi, pi - phi, pi + phi
+        (np.cos(x) * np.cos(phi), 8),  # x to -x, phi to -phi, (x + L/2, phi + pi)
+        (np.cos(x + 0.1) + np.sin(phi + 0.2) + np.sin(2 * x - 3 * phi), 1),
+    ):
+        labels = orbits(mesh, wave[None])
+        assert np.bincount(labels).max() == generic
+        np.testing.assert_allclose(mean(labels, wave), wave, atol=1e-12)
+        np.testing.assert_allclose(mean(labels, mean(labels, mesh.vertices)), mean(labels, mesh.vertices), atol=1e-12)
+    assert len(np.unique(orbits(jittered(mesh), np.zeros((1, mesh.count))))) == mesh.count
+
+
+def test_symmetry_splits_the_spectrum():
+    """Growth rates with and without the symmetry of a buckle are the same, and the modes are what their block says."""
+    point = tube_branch(0.0, L, "buckle", (1, 1), branch_options({"v": 0.98})).points[-1]
+    plain, u = meshed(point, 700)
+    problem = plain.symmetric(u)
+    apart = problem.block_modes(u, {problem.own_block: 6, MeshBlock("breaking"): 6})
+    together, _ = apart.together()
+    rates, _, unstable = plain.modes(u)
+    assert apart.complete
+    assert apart.unstable == unstable == 1
+    np.testing.assert_allclose(together[:6], rates[:6], atol=1e-7)
+    for block, vectors in apart.vectors.items():
+        share = np.linalg.norm(mean(problem.orbits, vectors)) / np.linalg.norm(vectors)
+        assert share == pytest.approx(1.0 if block == problem.own_block else 0.0, abs=1e-8)
+
+
+def test_surfaces_are_projected_onto():
+    """Points of a finer surface are on the coarser one's samples to third order, and mirror images stay mirror images."""
+
+    def points(x, phi):
+        r = 1 + 0.2 * np.cos(2 * np.pi * x / L)
+        return np.column_stack((x, 0.5 * np.cos(2 * np.pi * x / L) + r * np.cos(phi), r * np.sin(phi)))
+
+    errors = []
+    for nodes in (400, 1600):
+        mesh = tube_mesh(L, nodes, points)
+        fine, matrix, offsets = limit_matrix(mesh, 3)
+        on_surface = matrix @ mesh.vertices
+        on_surface[:, 0] += offsets
+        samples = Samples.of(mesh)
+        errors.append(np.abs(samples.feet(on_surface).offsets).max())
+        beside, mirror = on_surface + 0.03, np.array([1, 1, -1])
+        np.testing.assert_allclose(samples.project(beside * mirror), samples.project(beside) * mirror, atol=1e-13)
+    assert errors[1] < errors[0] / 5 < 1e-5
+
+
+@pytest.mark.parametrize("family", ["coil", "buckle"])
+def test_adaptation_leaves_no_jump(family):
+    """Where vertices spread out, the branch goes on to the mesh's accuracy: it is the surface that counts."""
+    branch = mesh_branch(0.0, L, family, (1, 1), 500, branch_options({"v": 0.9}))
+    assert branch.complete, branch.reason
+    points = [entry.point for entry in branch.points]
+    changes = [p for p, q in pairwise(points) if p.problem is not q.problem and q.problem.orbits is not None]
+    assert changes
+    for point in points[1:]:
+        exact = (
+            tube_branch(0.0, L, family, (1, 1), branch_options({"v": point.observables["v"]})).points[-1].observables
+        )
+        for name in COMPARED:
+            assert point.observables[name] == pytest.approx(exact[name], rel=8e-3), point.observables["v"]
 
 
 def test_phases_are_those_that_move_the_surface():

@@ -215,7 +215,7 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
         return Branch(points, special, reason, kind == "stop")
 
     try:
-        path = steps(start, options.path)
+        path, tried = steps(start, options.path), math.inf
         while True:
             before, at_start = points[-1], at_bifurcation and len(points) == 1
             point = next(path)
@@ -224,11 +224,15 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
                 return end("a wanted value lies just ahead, but could not be reached; take shorter steps")
             latest = _with_spectrum(point if wanted is None else wanted.point)
             events = events_between(before, latest, options.folds, at_start)
-            shorter = _length(before.point, latest.point) / 4
-            if shorter > 10 * options.path.min_step and any(_is_doubtful(event, point.problem) for event in events):
-                path = steps(replace(before.point, step=shorter), options.path)
+            length = _length(before.point, latest.point)
+            shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
+            doubtful = any(_is_doubtful(event, point.problem) for event in events)
+            if doubtful and shorter > 10 * options.path.min_step:
+                path, tried = steps(replace(before.point, step=shorter), options.path), shorter
                 continue
-            new, found = _placed(events, len(points), 4 * shorter)
+            if doubtful or length > 4 * tried:  # beyond the place of doubt
+                tried = math.inf
+            new, found = _placed(events, len(points), length)
             points += [*new, latest]
             special += found
             options.progress(Branch(points, special, "unfinished", False))

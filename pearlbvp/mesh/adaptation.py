@@ -34,6 +34,7 @@ class AdaptOptions:
     Attributes:
         area: mean area of the straight tube's triangles; 0 takes that of the first mesh.
         largest: triangles larger than this many times ``area`` are split (the paper takes 1.3).
+        stretched: quality beyond which vertices spread out along the surface, on the same triangles.
         worst: quality beyond which triangles are collapsed or flipped (the paper takes 8).
         smallest: triangles are collapsed only below this share of the largest one's area.
         rounds: of splits, collapses and flips at most.
@@ -44,6 +45,7 @@ class AdaptOptions:
 
     area: float = 0.0
     largest: float = 2.5
+    stretched: float = 4.0
     worst: float = 12.0
     smallest: float = 1 / 3
     rounds: int = 8
@@ -65,6 +67,11 @@ class AdaptOptions:
 def needs_adaptation(surface: PeriodicMesh, options: AdaptOptions) -> bool:
     """Whether triangles are too large or too bad."""
     return bool(surface.areas.max() > options.largest * options.area or surface.quality.max() > options.worst)
+
+
+def is_stretched(surface: PeriodicMesh, options: AdaptOptions) -> bool:
+    """Whether triangles are so stretched that vertices should spread out."""
+    return bool(surface.quality.max() > options.stretched)
 
 
 def adapted(surface: PeriodicMesh, samples: Samples, options: AdaptOptions) -> PeriodicMesh:
@@ -187,5 +194,10 @@ def measured(options: AdaptOptions, mesh: PeriodicMesh) -> AdaptOptions:
 
 def satisfied(options: AdaptOptions, surface: PeriodicMesh) -> AdaptOptions:
     """Options that an adapted mesh satisfies, if need be by asking for less: else it would be adapted at every point."""
-    largest = max(options.largest, 1.1 * float(surface.areas.max()) / options.area)
-    return replace(options, worst=max(options.worst, 1.2 * float(surface.quality.max())), largest=largest)
+    quality = 1.2 * float(surface.quality.max())
+    return replace(
+        options,
+        largest=max(options.largest, 1.1 * float(surface.areas.max()) / options.area),
+        stretched=max(options.stretched, quality),
+        worst=max(options.worst, quality),
+    )

@@ -20,23 +20,31 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pearlbvp.continuation.path import correct
-from pearlbvp.mesh.adaptation import AdaptOptions, adapted, measured, needs_adaptation, satisfied, spread_out
+from pearlbvp.mesh.adaptation import (
+    AdaptOptions,
+    adapted,
+    is_stretched,
+    measured,
+    needs_adaptation,
+    satisfied,
+    spread_out,
+)
 from pearlbvp.mesh.bordered import Pinned, spread
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.sections import radii
-from pearlbvp.mesh.spectrum import Fixed, MeshBlock, MeshSpectrum, independent, leading
+from pearlbvp.mesh.spectrum import Fixed, MeshBlock, MeshSpectrum, Modes, independent, leading
 from pearlbvp.mesh.subdivision import subdivided
+from pearlbvp.mesh.symmetry import mean, orbits
 from pearlbvp.newton import NewtonOptions
 
 PINS = 16
 """Vertices held in the factorization: more than there are near kernels, few enough to cost nothing."""
 
 RATES = 6
-"""Growth rates computed besides the positive ones."""
-
+"""Growth rates of each block computed besides the positive ones."""
 
 NEUTRAL_TOGETHER = 1e-4
 """Growth rates at a branch point that vanish together, up to how well it was located and its symmetry is kept."""
@@ -53,6 +61,7 @@ class MeshProblem:
         kind: the discretization.
         fixed: what perturbations keep, for stability.
         adapt: when and how the mesh is adapted.
+        orbits: number of each vertex's orbit under the symmetry that the surface keeps, shape (V,); None without one.
     """
 
     stored_as: ClassVar[str] = "mesh"
@@ -63,6 +72,7 @@ class MeshProblem:
     kind: Kind = "subdivision"
     fixed: Fixed = "area and volume"
     adapt: AdaptOptions = field(default_factory=AdaptOptions)
+    orbits: Integers | None = None
 
     @property
     def length(self) -> float:
@@ -129,7 +139,10 @@ class MeshProblem:
         corner[phases + 2 :] = extra[:, count:]
         load = rhs.reshape(u.size, -1)
         bordered = Pinned.of(hessian, self._pins).bordered(columns, rows, corner)
-        return bordered.solve(load[:count], load[count:]).reshape(rhs.shape)
+        found = bordered.solve(load[:count], load[count:])
+        if self.orbits is not None:  # rounding breaks the symmetry, and grows where a branch that breaks it is near
+            found[:count] = mean(self.orbits, found[:count])
+        return found.reshape(rhs.shape)
 
     @cached_property
     def weights(self) -> Array:
@@ -152,8 +165,8 @@ class MeshProblem:
 
     @property
     def own_block(self) -> MeshBlock:
-        """The one block of all perturbations."""
-        return MeshBlock()
+        """The block of the perturbations that keep the surface's symmetry."""
+        return MeshBlock("all" if self.orbits is None else "symmetric")
 
     @property
     def conserved(self) -> str:
@@ -164,56 +177,75 @@ class MeshProblem:
         """None are watched: the multipliers of a mesh are those of its energy."""
         return {}
 
-    def modes(self, u: Array, count: int = RATES) -> tuple[Array, Array, int]:
-        """Leading growth rates, their displacements as columns, shape (V, count), and the number of positive rates."""
+    def block_modes(self, u: Array, counts: Mapping[MeshBlock, int]) -> Modes:
+        """Leading growth rates and their displacements, by symmetry blocks, and the number of positive rates.
+
+        Args:
+            u: the solution.
+            counts: rates wanted of some blocks besides as many as are positive.
+        """
         vertices = self.vertices(u)
         second, sums = self.functional.hessian(vertices, self.directions, self.c0, u[-3], u[-2])
         mass, motions = self.functional.normal_mass(vertices, self.directions)
         kept = sums.gradients[1:] if self.fixed == "area and volume" else sums.gradients[1:2]
         unit = kept / np.linalg.norm(kept, axis=1)[:, None] * np.linalg.norm(motions[1])
         rows = np.vstack([independent(some, second, mass, self._pins) for some in (unit, motions)])
-        return leading(second, mass, rows, self._pins, count)
+        return leading(second, mass, rows, self._pins, counts, self.orbits)
+
+    def modes(self, u: Array, count: int = RATES) -> tuple[Array, Array, int]:
+        """Leading growth rates, their displacements as columns, shape (V, count), and the number of positive rates."""
+        found = self.block_modes(u, dict.fromkeys(self._blocks, count))
+        return (*found.together(), found.unstable)
+
+    @property
+    def _blocks(self) -> list[MeshBlock]:
+        return [self.own_block] if self.orbits is None else [self.own_block, MeshBlock("breaking")]
 
     def spectrum(self, u: Array) -> MeshSpectrum:
         """The leading growth rates, and whether all positive ones are among them."""
-        rates, _, unstable = self.modes(u)
-        return MeshSpectrum({MeshBlock(): rates}, int((rates > 0).sum()) == unstable)
+        modes = self.block_modes(u, dict.fromkeys(self._blocks, RATES))
+        return MeshSpectrum(modes.rates, modes.complete)
 
     def block_rates(self, u: Array, block: MeshBlock, like: MeshSpectrum) -> Array:
-        """The leading growth rates, largest first."""
-        return self.modes(u, max(RATES, len(like.rates[block])))[0]
+        """The leading growth rates of a block, largest first."""
+        return self.block_modes(u, {block: len(like.rates[block])}).rates[block]
 
     def remesh(self, u: Array, *others: Array) -> tuple[MeshProblem, list[Array]] | None:
         """The problem about the surface itself on an adapted mesh, where the reference no longer fits; else None."""
         surface, options = self.surface(u), measured(self.adapt, self.mesh)
         vertices, count = self.vertices(u), self.mesh.count
-        poor = needs_adaptation(surface, options)
+        stretched, poor = is_stretched(surface, options), needs_adaptation(surface, options)
         tilt = np.einsum("ix,ix->i", vertex_normals(self.mesh.moved(vertices)), self.directions).min()
-        if not poor and tilt > options.steepest:
+        if not stretched and not poor and tilt > options.steepest:
             return None
         fields = [vector[:count, None] * self.directions for vector in others]
-        if poor and self.kind == "subdivision" and surface.areas.max() > options.largest * options.area:
+        if not stretched and not poor:  # the same surface on the same triangles: only the directions change
+            mesh = self.mesh.moved(vertices)
+        elif self.kind == "subdivision" and surface.areas.max() > options.largest * options.area:
             mesh, matrix = subdivided(self.mesh.moved(vertices))
-            fields, options = [matrix @ moves for moves in fields], satisfied(options, mesh)
+            fields = [matrix @ moves for moves in fields]
         else:
             samples = self._samples(u)
-            if poor and self.kind == "cotangent":
+            surface = spread_out(surface, samples, options.spreading)
+            if self.kind == "cotangent" and needs_adaptation(surface, options):
                 surface = adapted(surface, samples, options)
-            else:
-                surface = spread_out(surface, samples, options.spreading)
-            options = satisfied(options, surface)
             mesh = surface.moved(self.functional.on(surface).vertices_near(surface.vertices))
             fields = [samples.field(surface.vertices, moves) for moves in fields]
+        options = satisfied(options, mesh)
         functional = self.functional.on(mesh)
         problem, moved = about(mesh, self.c0, u[-3:], self.kind, functional, fixed=self.fixed, adapt=options)
+        vectors = [moved]
+        for vector, moves in zip(others, fields, strict=True):
+            along = np.einsum("ix,ix->i", moves, problem.directions)
+            vectors.append(np.concatenate((along, np.zeros(len(problem.phases)), vector[-3:])))
+        if self.orbits is not None:
+            problem = problem.symmetric(*vectors)
         same_volume = np.zeros_like(moved)
         same_volume[-1] = 1.0
         settled, _ = correct(problem, moved, same_volume, moved, 0.0, NewtonOptions(max_iterations=20, damping=4))
         # Along the branch, the new mesh's error would move the point; so it does only where v turns.
-        vectors = [settled.u if settled.converged else moved]
-        for vector, moves in zip(others, fields, strict=True):
-            along = np.einsum("ix,ix->i", moves, problem.directions)
-            vectors.append(np.concatenate((along, np.zeros(len(problem.phases)), vector[-3:])))
+        if settled.converged:
+            vectors[0] = settled.u
         return problem, vectors
 
     def _samples(self, u: Array) -> Samples:
@@ -232,30 +264,47 @@ class MeshProblem:
         if len(vertices) == self.mesh.count:  # much the same mesh: a good guess where the surface is far away
             guess = np.einsum("ix,ix->i", vertices - self.mesh.vertices, self.directions)
         along = other._samples(u).distance_along(points, self.directions, guess)
+        if self.orbits is not None:
+            along = mean(self.orbits, along)
         return np.concatenate((along, np.zeros(len(self.phases)), u[-3:]))
 
     def embed(self, block: MeshBlock, centre: str, *vectors: Array) -> tuple[MeshProblem, list[Array]]:
         """The problem with phase conditions that leave one neutral displacement of several.
 
         Where a symmetry breaks that shifts or turns the surface along itself, neutral displacements come in twos or fours,
-        shifted and turned. The one that is largest in the middle of the period is left, the others become phase conditions.
+        shifted and turned. The one that is largest in the middle of the period is left, the others become phase conditions,
+        and the symmetry that it keeps is that of the problem.
 
         Args:
-            block: the one block there is.
+            block: of the neutral displacement; where it keeps the symmetry, there is nothing to do.
             centre: not used; the middle of the period is the centre.
             vectors: the solution at a branch point first, then others.
         """
-        u = vectors[0]
-        rates, modes, _ = self.modes(u)
-        neutral = modes[:, np.abs(rates) < NEUTRAL_TOGETHER]
-        mass, _ = self.functional.normal_mass(self.vertices(u), self.directions)
-        at_centre = neutral[self._middle]
-        if neutral.shape[1] < 2 or not at_centre.any():
+        if block.name == "symmetric":
             return self, list(vectors)
+        u, size = vectors[0], self.mesh.count + len(self.phases)
+        modes = self.block_modes(u, {block: RATES})
+        neutral = modes.vectors[block][:, np.abs(modes.rates[block]) < NEUTRAL_TOGETHER]
+        at_centre = neutral[self._middle]
+        if not at_centre.any():
+            return self._with(orbits=None), list(vectors)
+        mass, _ = self.functional.normal_mass(self.vertices(u), self.directions)
         others = np.linalg.svd(at_centre[None])[2][1:]  # combinations that vanish there
         phases = np.vstack((self.phases, others @ (mass @ neutral).T))
-        found, count, more = replace(self, phases=phases), self.mesh.count + len(self.phases), np.zeros(len(others))
-        return found, [np.concatenate((vector[:count], more, vector[-3:])) for vector in vectors]
+        found = self._with(phases=phases).symmetric(u, neutral @ at_centre)
+        return found, [np.concatenate((v[:size], np.zeros(len(others)), v[-3:])) for v in vectors]
+
+    def symmetric(self, u: Array, *others: Array) -> MeshProblem:
+        """The problem in the space of all displacements with the symmetry of ``u`` and others on this mesh."""
+        labels = orbits(self.mesh, np.array([vector[: self.mesh.count] for vector in (u, *others)]))
+        return self._with(orbits=labels if labels.max() + 1 < self.mesh.count else None)
+
+    def _with(self, **changes: Any) -> MeshProblem:
+        """The problem with other phases or orbits; what depends on the mesh only is kept."""
+        found = replace(self, **changes)
+        for name in ("functional", "directions", "_pins"):
+            found.__dict__[name] = getattr(self, name)
+        return found
 
     @property
     def _middle(self) -> int:
@@ -271,14 +320,15 @@ class MeshProblem:
         """Everything as arrays, numbers and words, to be saved."""
         return self.mesh.to_tree() | self.adapt.to_tree() | {
             "phases": self.phases, "c0": self.c0, "kind": self.kind, "fixed": self.fixed
-        }  # fmt: skip
+        } | ({} if self.orbits is None else {"orbits": self.orbits})  # fmt: skip
 
     @classmethod
     def from_tree(cls, tree: Mapping[str, Any]) -> MeshProblem:
         """The inverse of ``to_tree``."""
         mesh = PeriodicMesh(tree["vertices"], tree["triangles"], tree["wraps"], float(tree["length"]))
         phases, adapt = np.asarray(tree["phases"], dtype=float), AdaptOptions.from_tree(tree)
-        return cls(mesh, phases, float(tree["c0"]), tree["kind"], tree["fixed"], adapt)
+        labels = np.asarray(tree["orbits"], dtype=np.int64) if "orbits" in tree else None
+        return cls(mesh, phases, float(tree["c0"]), tree["kind"], tree["fixed"], adapt, labels)
 
 
 def phase_rows(problem: MeshProblem, u: Array) -> Array:
@@ -315,7 +365,5 @@ def about(
 def with_phases(problem: MeshProblem, u: Array, shape: Array | None = None) -> tuple[MeshProblem, Array]:
     """The problem with the phase conditions of the surface at ``shape``, by default ``u``, and ``u`` moved there."""
     rows = phase_rows(problem, u if shape is None else shape)
-    found = replace(problem, phases=rows)
-    for name in ("functional", "directions", "_pins"):
-        found.__dict__[name] = getattr(problem, name)
+    found = problem._with(phases=rows)
     return found, np.concatenate((u[: problem.mesh.count], np.zeros(len(rows)), u[-3:]))

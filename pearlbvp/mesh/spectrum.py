@@ -2,21 +2,24 @@
 
 ``second variation w = -mu mass w`` on the displacements that keep area and volume and contain no rigid motion. The count
 is the inertia of the bordered matrix and owes nothing to iterations; the rates nearest zero come from Lanczos' method on
-its inverse. Each checks the other.
+its inverse. Each checks the other. Where a mesh and its surface are symmetric, displacements that keep the symmetry and
+those that break it are found apart: projections commute with all matrices.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy import sparse
+from scipy.linalg import eigh, null_space
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from pearlbvp.mesh.bordered import Pinned
+from pearlbvp.mesh.bordered import Bordered, Pinned
 from pearlbvp.mesh.periodic import Array, Integers
+from pearlbvp.mesh.symmetry import mean
 
 Fixed = Literal["area and volume", "area"]
 
@@ -32,7 +35,12 @@ parallel, as they are on the straight tube."""
 
 
 class MeshBlock(NamedTuple):
-    """A symmetry block of perturbations: a mesh has no symmetry, and all are in one."""
+    """A symmetry block of perturbations: those that are constant on the orbits of the symmetry, or the others.
+
+    Attributes:
+        name: ``symmetric`` or ``breaking``; ``all`` where there is no symmetry.
+        multiplicity: how often its growth rates are counted.
+    """
 
     name: str = "all"
     multiplicity: int = 1
@@ -75,12 +83,14 @@ class MeshSpectrum:
 
     def to_tree(self) -> dict[str, Any]:
         """Everything as arrays and numbers, to be saved."""
-        return {"rates": self.rates[MeshBlock()], "complete": self.complete}
+        return {f"rates_{block.name}": rates for block, rates in self.rates.items()} | {"complete": self.complete}
 
     @classmethod
     def from_tree(cls, tree: Mapping[str, Any]) -> MeshSpectrum:
         """The inverse of ``to_tree``."""
-        return cls({MeshBlock(): np.asarray(tree["rates"], dtype=float)}, bool(tree["complete"]))
+        names = [name.removeprefix("rates_") for name in tree if name.startswith("rates_")]
+        rates = {MeshBlock(name): np.asarray(tree[f"rates_{name}"], dtype=float) for name in names}
+        return cls(rates, bool(tree["complete"]))
 
 
 def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix, pins: Integers) -> Array:
@@ -107,42 +117,115 @@ def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix,
     return np.asarray((vectors[:, kept] / np.sqrt(squares[kept])).T @ rows)
 
 
+@dataclass(frozen=True)
+class Modes:
+    """Growth rates and their perturbations.
+
+    Attributes:
+        rates: of each block, largest first, shape (k,).
+        vectors: perturbations as columns, shape (V, k).
+        unstable: number of positive rates in all blocks together, by inertia.
+    """
+
+    rates: dict[MeshBlock, Array]
+    vectors: dict[MeshBlock, Array]
+    unstable: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether all positive rates were found; the signs of neutral ones are rounding."""
+        positive = sum(int((rates > NEUTRAL).sum()) for rates in self.rates.values())
+        neutral = sum(int((np.abs(rates) <= NEUTRAL).sum()) for rates in self.rates.values())
+        return positive <= self.unstable <= positive + neutral
+
+    def together(self) -> tuple[Array, Array]:
+        """Rates and vectors of all blocks, largest first."""
+        rates, vectors = np.concatenate(list(self.rates.values())), np.hstack(list(self.vectors.values()))
+        order = np.argsort(-rates)
+        return rates[order], vectors[:, order]
+
+
 def leading(
-    second: sparse.csc_matrix, mass: sparse.csc_matrix, rows: Array, pins: Integers, count: int
-) -> tuple[Array, Array, int]:
-    """The growth rates nearest zero and all positive ones, largest first, on what the rows annihilate.
+    second: sparse.csc_matrix,
+    mass: sparse.csc_matrix,
+    rows: Array,
+    pins: Integers,
+    counts: Mapping[MeshBlock, int],
+    orbits: Integers | None = None,
+) -> Modes:
+    """The growth rates nearest zero and all positive ones, on what the rows annihilate.
 
     Args:
         second: second variation, shape (V, V).
         mass: of normal displacements, shape (V, V).
         rows: shape (q, V), independent.
         pins: vertices for the factorization.
-        count: how many negative ones are wanted at least.
-
-    Returns:
-        The rates, their perturbations as columns, and the number of positive rates by inertia.
+        counts: how many rates of each block are wanted besides as many as are positive.
+        orbits: of the symmetry, shape (V,).
 
     Raises:
         numpy.linalg.LinAlgError: the matrix is singular, or Lanczos' method did not converge.
     """
     pinned = Pinned.of(second, pins)
     unstable = pinned.negative(rows)
-    size, zero = second.shape[0], np.zeros((len(rows), 1))
     bordered = pinned.bordered(rows.T, rows, np.zeros((len(rows), len(rows))))
+    wanted = {block: unstable + count for block, count in counts.items()}
+    while True:
+        found = {
+            block: _of_symmetry(second, mass, rows, orbits, number)
+            if block.name == "symmetric" and orbits is not None and orbits.max() < DENSE
+            else _nearest_zero(second, mass, bordered, number, _projection(block, orbits))
+            for block, number in wanted.items()
+        }
+        modes = Modes({b: rates for b, (rates, _) in found.items()}, {b: w for b, (_, w) in found.items()}, unstable)
+        if modes.complete or len(counts) < (1 if orbits is None else 2) or min(wanted.values()) >= second.shape[0] // 2:
+            return modes  # one block of two cannot be compared with the inertia
+        wanted = {block: 2 * number for block, number in wanted.items()}
+
+
+DENSE = 300
+"""Orbits up to which displacements that keep the symmetry are treated by dense algebra."""
+
+
+def _projection(block: MeshBlock, orbits: Integers | None) -> Callable[[Array], Array]:
+    """Onto the perturbations of a block."""
+    if orbits is None or block.name == "all":
+        return lambda w: w
+    if block.name == "symmetric":
+        return lambda w: mean(orbits, w)
+    return lambda w: w - mean(orbits, w)
+
+
+def _nearest_zero(
+    second: sparse.csc_matrix,
+    mass: sparse.csc_matrix,
+    bordered: Bordered,
+    number: int,
+    project: Callable[[Array], Array],
+) -> tuple[Array, Array]:
+    """Growth rates nearest zero, largest first, and their perturbations, by Lanczos' method on the inverse."""
+    size, zero = second.shape[0], np.zeros((len(bordered.rows), 1))
 
     def inverse(load: Array) -> Array:
-        return bordered.solve(load.reshape(-1, 1), zero, 0)[:size, 0]
+        return project(bordered.solve(load.reshape(-1, 1), zero, 0)[:size, 0])
 
     operator = LinearOperator((size, size), matvec=inverse, dtype=np.float64)
     start = inverse(mass @ np.random.default_rng(0).standard_normal(size))
-    wanted = min(unstable + count, size // 2)
-    while True:
-        try:
-            values, vectors = eigsh(second, wanted, mass, sigma=0.0, OPinv=operator, v0=start, tol=1e-10)
-        except sparse.linalg.ArpackNoConvergence as error:
-            raise np.linalg.LinAlgError(f"Lanczos' method: {error}") from None
-        order = np.argsort(values)
-        rates = -values[order]
-        if (rates > 0).sum() >= unstable or wanted >= size // 2:
-            return rates, vectors[:, order], unstable
-        wanted = min(2 * wanted, size // 2)
+    try:
+        values, vectors = eigsh(second, min(number, size // 2), mass, sigma=0.0, OPinv=operator, v0=start, tol=1e-10)
+    except sparse.linalg.ArpackNoConvergence as error:
+        raise np.linalg.LinAlgError(f"Lanczos' method: {error}") from None
+    order = np.argsort(values)
+    return -values[order], vectors[:, order]
+
+
+def _of_symmetry(
+    second: sparse.csc_matrix, mass: sparse.csc_matrix, rows: Array, orbits: Integers, number: int
+) -> tuple[Array, Array]:
+    """The largest growth rates of what is constant on orbits, and their perturbations, by dense algebra."""
+    size = len(orbits)
+    basis = sparse.coo_matrix((np.ones(size), (np.arange(size), orbits))).tocsr()
+    allowed = null_space(rows @ basis, rcond=1e-10)
+    pencil = [allowed.T @ (basis.T @ matrix @ basis).toarray() @ allowed for matrix in (second, mass)]
+    values, vectors = eigh(*[(matrix + matrix.T) / 2 for matrix in pencil])
+    return -values[:number], basis @ (allowed @ vectors[:, :number])

@@ -60,7 +60,7 @@ def mesh_branch(
     """
     tube = Tube(c0, length)
     problem, u, direction = onset(tube, family, *mode, tube_mesh(tube.length, nodes), kind)
-    problem = replace(problem, adapt=adapt or AdaptOptions())
+    problem = replace(problem, adapt=adapt or AdaptOptions()).symmetric(u, direction)
     start = start_point(problem, u, direction)
     return continue_branch(start, options or branch_options(), at_bifurcation=True)
 
@@ -90,6 +90,7 @@ def branch_from(
     """The branch through an equilibrium, towards larger or smaller ``v`` at first."""
     direction = np.zeros_like(u)
     direction[-1] = 1.0 if upwards else -1.0
+    problem = problem.symmetric(u)
     start = start_point(problem, u, tangent_along(problem, u, direction))
     return continue_branch(start, options)
 
