@@ -379,7 +379,7 @@ def test_surfaces_are_projected_onto():
     errors = []
     for nodes in (400, 1600):
         mesh = tube_mesh(L, nodes, points)
-        fine, matrix, offsets = limit_matrix(mesh, 3)
+        _, matrix, offsets = limit_matrix(mesh, 3)
         on_surface = matrix @ mesh.vertices
         on_surface[:, 0] += offsets
         samples = Samples.of(mesh)
