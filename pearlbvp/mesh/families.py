@@ -9,7 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from pearlbvp.errors import InputError
+from pearlbvp.mesh.adaptation import AdaptOptions, adapted, measured
 from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.mesh.samples import Samples
 
 Surface = Callable[[Array, Array], Array]
 """Points, shape (K, 3), of parameters ``x`` and ``phi``, shape (K,), with ``x + L`` a period further along."""
@@ -91,3 +93,32 @@ def jittered(mesh: PeriodicMesh, amount: float = 0.2, seed: int = 0, surface: Su
     x = mesh.vertices[:, 0] + size[:, 0]
     phi = np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1]) + size[:, 1]
     return replace(mesh, vertices=(surface or cylinder)(x, phi))
+
+
+def graded(mesh: PeriodicMesh, ratio: float = 2.0, sweep: float = 0.0) -> PeriodicMesh:
+    """The same triangles with vertices moved along the straight tube smoothly: crowded at ``x = L/2``, sparse at ``x = 0``.
+
+    A smooth map of ``(x, phi)`` that does not depend on the mesh: as the mesh is refined, its triangles become those of a
+    lattice, stretched. So do those that come from refining a tube's mesh as a whole.
+
+    Args:
+        mesh: of the straight tube.
+        ratio: of the largest spacing along the tube to the smallest.
+        sweep: largest angle by which sections are turned against each other, in radians; triangles become oblique.
+    """
+    k, most = 2 * math.pi / mesh.length, (ratio - 1) / (ratio + 1)
+    x, phi = mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])
+    return replace(mesh, vertices=cylinder(x + most * np.sin(k * x) / k, phi + sweep * np.sin(k * x)))
+
+
+def edited(mesh: PeriodicMesh, options: AdaptOptions | None = None) -> PeriodicMesh:
+    """The straight tube's mesh with triangles split, collapsed and flipped as on a branch: valences from 4 to 8.
+
+    Args:
+        mesh: of the straight tube.
+        options: when a triangle is changed; by default the paper's (Appendix B), by the mesh's mean area.
+    """
+    options = measured(options or AdaptOptions(largest=1.3, worst=8.0), mesh)
+    changed = adapted(mesh, Samples.of(mesh), options)
+    radii = np.hypot(changed.vertices[:, 1], changed.vertices[:, 2])
+    return changed.moved(np.column_stack((changed.vertices[:, 0], changed.vertices[:, 1:] / radii[:, None])))
