@@ -119,6 +119,15 @@ def edited(mesh: PeriodicMesh, options: AdaptOptions | None = None) -> PeriodicM
         options: when a triangle is changed; by default the paper's (Appendix B), by the mesh's mean area.
     """
     options = measured(options or AdaptOptions(largest=1.3, worst=8.0), mesh)
-    changed = adapted(mesh, Samples.of(mesh), options)
-    radii = np.hypot(changed.vertices[:, 1], changed.vertices[:, 2])
-    return changed.moved(np.column_stack((changed.vertices[:, 0], changed.vertices[:, 1:] / radii[:, None])))
+    return straightened(adapted(mesh, Samples.of(mesh), options))
+
+
+def straightened(mesh: PeriodicMesh) -> PeriodicMesh:
+    """The same triangles with vertices moved radially onto the straight tube."""
+    return replace(mesh, vertices=cylinder(mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])))
+
+
+def carried(mesh: PeriodicMesh, surface: Surface) -> PeriodicMesh:
+    """The straight tube's triangles on another tube, vertices at the same parameters ``x`` and ``phi``."""
+    x, phi = mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])
+    return replace(mesh, vertices=np.asarray(surface(x, phi), dtype=float))

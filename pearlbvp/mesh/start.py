@@ -75,11 +75,25 @@ def straight(mesh: PeriodicMesh, c0: float, lambda2: float, kind: Kind = "subdiv
 
 
 def _cylinder(mesh: PeriodicMesh, c0: float, lambda2: float, kind: Kind) -> tuple[MeshProblem, Array]:
-    """The problem about a mesh of the unit cylinder, and the exact parameters of a ``lambda2`` as its guess."""
+    """The problem about a mesh of the unit cylinder, and the exact parameters of a ``lambda2`` as its guess.
+
+    Its phase conditions are against translations across, whatever the mesh: shifted along or turned about itself the
+    cylinder stays where it is, and the small normal part that these motions have on a mesh is no motion but its error.
+    """
     functional = Functional(mesh, kind)
     mesh = mesh.moved(functional.vertices_near(mesh.vertices))
-    parameters = np.array([cylinder_lambda1(lambda2, c0), lambda2, 1.0])
-    return about(mesh, c0, parameters, kind, functional.on(mesh))
+    problem = _sharing(functional.on(mesh), MeshProblem(mesh, np.zeros((0, mesh.count)), c0, kind))
+    _, motions = problem.functional.normal_mass(mesh.vertices, problem.directions)
+    across = motions[1:3] / math.sqrt(math.pi * mesh.length)  # unit ones
+    parameters = [cylinder_lambda1(lambda2, c0), lambda2, 1.0]
+    guess = np.concatenate((np.zeros(mesh.count + len(across)), parameters))
+    return _sharing(problem.functional, replace(problem, phases=across)), guess
+
+
+def _sharing(functional: Functional, problem: MeshProblem) -> MeshProblem:
+    """The problem, with the functional that is on its mesh already."""
+    problem.__dict__["functional"] = functional
+    return problem
 
 
 def waves(points: Array, length: float, m: int, n: int) -> Array:
@@ -140,8 +154,7 @@ def _without_mode(problem: MeshProblem, u: Array, m: int, n: int) -> tuple[MeshP
     mass, _ = problem.functional.normal_mass(problem.vertices(u), problem.directions)
     rows = shapes @ mass
     rows = np.linalg.solve(np.linalg.cholesky(rows @ shapes.T), rows)
-    found = replace(problem, phases=np.vstack((problem.phases, rows)))
-    found.__dict__["functional"] = problem.functional
+    found = _sharing(problem.functional, replace(problem, phases=np.vstack((problem.phases, rows))))
     return found, np.concatenate((u[:-3], np.zeros(len(rows)), u[-3:])), len(rows)
 
 

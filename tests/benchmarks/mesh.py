@@ -16,13 +16,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from pearlbvp.errors import InputError
-from pearlbvp.mesh.adaptation import AdaptOptions, adapted, smoothed
-from pearlbvp.mesh.families import jittered, tube_mesh
+from pearlbvp.mesh.adaptation import AdaptOptions, smoothed
+from pearlbvp.mesh.families import edited, graded, jittered, straightened, tube_mesh
 from pearlbvp.mesh.functional import Kind
+from pearlbvp.mesh.operators import mean_curvature
 from pearlbvp.mesh.periodic import Array, PeriodicMesh
-from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.start import branch_point, equilibrium, straight
+from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.theory.dispersion import critical_lambda2
 
 LENGTH = 10.0
@@ -39,52 +39,53 @@ def best(function: Callable[[], object], repeats: int = 3) -> float:
     return min(times)
 
 
-def swept(x: Array, phi: Array) -> Array:
-    """The straight tube by other parameters: vertices crowd here and thin out there, smoothly."""
-    k = 2 * np.pi / LENGTH
-    x, phi = x + 0.5 * np.sin(k * x + phi), phi + 0.2 * np.sin(2 * k * x) * np.cos(phi)
-    return np.column_stack((x, np.cos(phi), np.sin(phi)))
-
-
-def edited(mesh: PeriodicMesh) -> PeriodicMesh:
-    """A mesh of which half was refined by splits, collapses and flips."""
-    options = AdaptOptions(area=float(mesh.areas.mean()), largest=0.7, worst=6.0, rounds=3, most=int(1.4 * mesh.count))
-    return adapted(mesh, Samples.of(mesh), options)
-
-
 def families(nodes: int) -> Iterator[tuple[str, PeriodicMesh]]:
     """Meshes of the straight tube."""
     mesh = tube_mesh(LENGTH, nodes)
     yield "structured", mesh
-    yield "swept smoothly", tube_mesh(LENGTH, nodes, swept)
-    for amount in (0.02, 0.1):
-        yield f"jittered by {amount}", jittered(mesh, amount)
-    yield "0.1, smoothed", smoothed(jittered(mesh, 0.1))
-    yield "edited", edited(tube_mesh(LENGTH, int(nodes / 1.3)))
+    yield "graded", graded(mesh)
+    yield "graded and swept", graded(mesh, sweep=1.0)
+    rough, irregular = jittered(mesh, 0.1), edited(graded(tube_mesh(LENGTH, int(nodes / 1.25)), 3.0))
+    yield "jittered by 0.1", rough
+    yield "by 0.1 h/h(1000)", jittered(mesh, 0.1 * np.sqrt(1000 / nodes))
+    yield "by 0.1, smoothed", smoothed(rough)
+    yield "smoothed, onto tube", straightened(smoothed(rough))
+    yield "edited", irregular
+    yield "edited, smoothed", straightened(smoothed(irregular))
+    yield "edited once", edited_once(nodes)
 
 
-def convergence(kind: Kind, sizes: tuple[int, ...] = (1000, 3000)) -> None:
+def edited_once(nodes: int) -> PeriodicMesh:
+    """A coarse edited mesh refined as a whole: as many vertices of other valences on all meshes."""
+    levels = round(np.log(nodes / 250) / np.log(4))
+    mesh = edited(graded(tube_mesh(LENGTH, int(nodes / 4**levels / 1.25)), 3.0))
+    for _ in range(levels):
+        mesh = straightened(subdivided(mesh)[0])
+    return mesh
+
+
+def convergence(kind: Kind, sizes: tuple[int, ...] = (1000, 3000, 6000, 12000)) -> None:
     """Errors of the branch points of pearls, coils and wrinkles, and their orders in the mesh width."""
-    print(f"\n{kind}: error in lambda2 of the branch points, order in the mesh width from line to line")
+    print(f"\n{kind}: error in lambda2 of the branch points, order in the mesh width; largest error of H by cotangents")
     known: dict[tuple[str, int], tuple[int, float]] = {}
     for nodes in sizes:
         for name, mesh in families(nodes):
             cells = []
             for place, (m, n) in enumerate(((1, 0), (1, 1), (0, 2))):
                 exact = float(critical_lambda2(2 * np.pi * m / LENGTH, n, 0.0))
-                try:
-                    error = abs(float(branch_point(mesh, 0.0, m, n, kind)[1][-2]) - exact)
-                except InputError as failure:
-                    cells.append(f"({m},{n}) {str(failure)[:24]}")
-                    continue
+                error = abs(float(branch_point(mesh, 0.0, m, n, kind)[1][-2]) - exact)
                 before = known.get((name, place))
                 order = (
-                    "" if before is None else f" {2 * np.log(before[1] / error) / np.log(mesh.count / before[0]):4.1f}"
+                    "" if before is None else f"{2 * np.log(before[1] / error) / np.log(mesh.count / before[0]):.1f}"
                 )
                 known[name, place] = mesh.count, error
-                cells.append(f"({m},{n}) {error:.1e}{order:5s}")
+                cells.append(f"({m},{n}) {error:.1e} {order:4s}")
+            others = (np.diff(mesh.star[0]) != 6).mean()
+            curvature = f"H {np.abs(mean_curvature(mesh) - 0.5).max():.1e}" if kind == "cotangent" else ""
             print(
-                f"  {name:18s} {mesh.count:6d} vertices, quality {mesh.quality.max():5.2f}: " + "   ".join(cells),
+                f"  {name:20s} {mesh.count:6d} vertices, {others:3.0%} not of valence 6: ",
+                *cells,
+                curvature,
                 flush=True,
             )
 
