@@ -12,7 +12,7 @@ vertices                                                subdivision  cotangent
 ``jittered`` by a share that falls as the edge          2            2
 the same smoothed, vertices on the surface again        4            2
 ``edited``, a fixed share of valences other than 6      none         2
-``edited`` once, then refined as a whole                2 and more   2
+``edited`` once, then refined as a whole                2            2
 ======================================================  ===========  =========
 
 Where there is none, the error stays: it is that of the surface's parametrization, the square of the jitter's share (7e-2 in

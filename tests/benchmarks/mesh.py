@@ -16,6 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pearlbvp.errors import InputError
 from pearlbvp.mesh.adaptation import AdaptOptions, smoothed
 from pearlbvp.mesh.families import edited, graded, jittered, straightened, tube_mesh
 from pearlbvp.mesh.functional import Kind
@@ -23,9 +24,15 @@ from pearlbvp.mesh.operators import mean_curvature
 from pearlbvp.mesh.periodic import Array, PeriodicMesh
 from pearlbvp.mesh.start import branch_point, equilibrium, straight
 from pearlbvp.mesh.subdivision import subdivided
+from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.mesh import meshed
+from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.dispersion import critical_lambda2
 
 LENGTH = 10.0
+
+SIZES = (1000, 3000, 12000)
+"""Numbers of vertices for orders of convergence."""
 
 
 def best(function: Callable[[], object], repeats: int = 3) -> float:
@@ -56,15 +63,14 @@ def families(nodes: int) -> Iterator[tuple[str, PeriodicMesh]]:
 
 
 def edited_once(nodes: int) -> PeriodicMesh:
-    """A coarse edited mesh refined as a whole: as many vertices of other valences on all meshes."""
-    levels = round(np.log(nodes / 250) / np.log(4))
-    mesh = edited(graded(tube_mesh(LENGTH, int(nodes / 4**levels / 1.25)), 3.0))
-    for _ in range(levels):
+    """A coarse edited mesh refined as a whole, so with as many vertices of other valences on all meshes."""
+    mesh = edited(graded(tube_mesh(LENGTH, 150), 3.0))
+    for _ in range(round(np.log(nodes / mesh.count) / np.log(4))):
         mesh = straightened(subdivided(mesh)[0])
     return mesh
 
 
-def convergence(kind: Kind, sizes: tuple[int, ...] = (1000, 3000, 6000, 12000)) -> None:
+def convergence(kind: Kind, sizes: tuple[int, ...] = SIZES) -> None:
     """Errors of the branch points of pearls, coils and wrinkles, and their orders in the mesh width."""
     print(f"\n{kind}: error in lambda2 of the branch points, order in the mesh width; largest error of H by cotangents")
     known: dict[tuple[str, int], tuple[int, float]] = {}
@@ -88,6 +94,37 @@ def convergence(kind: Kind, sizes: tuple[int, ...] = (1000, 3000, 6000, 12000)) 
                 curvature,
                 flush=True,
             )
+
+
+def phases(kind: Kind, sizes: tuple[int, ...] = SIZES[:2]) -> None:
+    """Multipliers of the phase conditions on meshes of three shapes, errors of their multipliers and energy, and orders."""
+    print(
+        f"\n{kind}: largest multiplier of the phase conditions, largest error of lambda1, lambda2 and E; their orders"
+    )
+    until = branch_options({"v": 0.95})
+    shapes = {
+        "pearl A2": pearl_branch(0.0, LENGTH, 1, branch_options({"lambda2": -3.165})).points[-1],
+        "coil": tube_branch(0.0, LENGTH, "coil", (1, 1), until).points[-1],
+        "buckle": tube_branch(0.0, LENGTH, "buckle", (1, 1), until).points[-1],
+    }
+    known: dict[tuple[str, str], tuple[int, Array]] = {}
+    for nodes in sizes:
+        for name, mesh in families(nodes):
+            cells = []
+            for shape, point in shapes.items():
+                try:
+                    problem, u = meshed(point, mesh, kind=kind)
+                except InputError as failure:
+                    cells.append(f"{shape} {str(failure)[:30]}")
+                    continue
+                found, exact = problem.observables(u), point.observables
+                error = max(abs(found[key] - exact[key]) for key in ("lambda1", "lambda2", "E"))
+                figures = np.array([np.abs(problem.multipliers(u)).max(), error])
+                count, before = known.get((name, shape), (0, figures))
+                orders = 2 * np.log(before / figures) / np.log(mesh.count / count) if count else []
+                known[name, shape] = mesh.count, figures
+                cells.append(f"{shape} {figures[0]:.0e} {figures[1]:.0e} " + " ".join(f"{o:.1f}" for o in orders))
+            print(f"  {name:20s} {mesh.count:6d} vertices: " + "   ".join(cells), flush=True)
 
 
 def pearl(nodes: int, kind: Kind) -> tuple[float, float]:
@@ -116,6 +153,7 @@ def main() -> None:
     print(f"refinement as a whole from 4,000 vertices: {best(lambda: _refined(problem, u), 1):.2f} s")
     for kind in ("subdivision", "cotangent"):
         convergence(kind)
+        phases(kind)
 
 
 def _refined(problem: object, u: Array) -> None:
