@@ -20,6 +20,11 @@ the pearl's ``lambda2`` at 0.1 of an edge, 4e-3 at 0.025, from 1,000 to 12,000 v
 than 6 (6e-3 to 6e-2 at a third). Smoothing (``adaptation.smoothed``) mends a jitter, provided that the vertices are put on the
 smooth surface afterwards (``straightened``): on the rough mesh's own limit surface they move along rough normals, and 4e-4
 stays. It does not mend valences.
+
+Multipliers of the phase conditions (pearl A2, coil and buckle at ``v = 0.95``) are rounding on structured meshes, below 1e-13
+at 3,000 vertices. On graded ones those of a subdivision surface are of fourth order, at 3,000 vertices 8e-6 on the coil and
+8e-7 on the buckle, about as large as the error of ``lambda2``; those of cotangents are of second order, 1e-3. On meshes
+jittered by a fixed share, or edited, those of a subdivision surface stay at about 1e-2.
 """
 
 from __future__ import annotations
