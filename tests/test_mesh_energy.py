@@ -154,7 +154,7 @@ def test_smoothed_meshes_are_all_but_as_good_as_structured_ones():
     mesh = tube_mesh(L, 700)
     structured, rough_one, again = (
         abs(branch_point(some, 0.0, 1, 1)[1][-2] - exact)
-        for some in (mesh, jittered(mesh, 0.02), smoothed(jittered(mesh, 0.1)))
+        for some in (mesh, jittered(mesh, 0.1), smoothed(jittered(mesh, 0.1)))
     )
     assert again < 2 * structured < 0.1 * rough_one
 

@@ -1,4 +1,31 @@
-"""Families of meshes: structured tubes near the best quality, jittered ones, and meshes of given surfaces."""
+"""Families of meshes: structured tubes near the best quality, graded, jittered and edited ones, and meshes of given surfaces.
+
+Order in the mesh width at which branch points of the straight tube converge (``c0 = 0``, ``L = 10``; pearls, coils and wrinkles
+alike; ``tests/benchmarks/mesh.py`` has the errors from 1,000 to 12,000 vertices):
+
+======================================================  ===========  =========
+vertices                                                subdivision  cotangent
+======================================================  ===========  =========
+``tube_mesh``                                           4            2
+``graded``, swept or not                                4            2
+``jittered`` by a fixed share of an edge                none         2
+``jittered`` by a share that falls as the edge          2            2
+the same smoothed, vertices on the surface again        4            2
+``edited``, a fixed share of valences other than 6      none         2
+``edited`` once, then refined as a whole                2            2
+======================================================  ===========  =========
+
+Where there is none, the error stays: it is that of the surface's parametrization, the square of the jitter's share (7e-2 in
+the pearl's ``lambda2`` at 0.1 of an edge, 4e-3 at 0.025, from 1,000 to 12,000 vertices), or of the share of valences other
+than 6 (6e-3 to 6e-2 at a third). Smoothing (``adaptation.smoothed``) mends a jitter, provided that the vertices are put on the
+smooth surface afterwards (``straightened``): on the rough mesh's own limit surface they move along rough normals, and 4e-4
+stays. It does not mend valences.
+
+Multipliers of the phase conditions (pearl A2, coil and buckle at ``v = 0.95``) are rounding on structured meshes, below 1e-13
+at 3,000 vertices. On graded ones those of a subdivision surface are of fourth order, at 3,000 vertices 8e-6 on the coil and
+8e-7 on the buckle, about as large as the error of ``lambda2``; those of cotangents are of second order, 1e-3. On meshes
+jittered by a fixed share, or edited, those of a subdivision surface stay at about 1e-2.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +36,9 @@ from dataclasses import replace
 import numpy as np
 
 from pearlbvp.errors import InputError
+from pearlbvp.mesh.adaptation import AdaptOptions, adapted, measured
 from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.mesh.samples import Samples
 
 Surface = Callable[[Array, Array], Array]
 """Points, shape (K, 3), of parameters ``x`` and ``phi``, shape (K,), with ``x + L`` a period further along."""
@@ -91,3 +120,41 @@ def jittered(mesh: PeriodicMesh, amount: float = 0.2, seed: int = 0, surface: Su
     x = mesh.vertices[:, 0] + size[:, 0]
     phi = np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1]) + size[:, 1]
     return replace(mesh, vertices=(surface or cylinder)(x, phi))
+
+
+def graded(mesh: PeriodicMesh, ratio: float = 2.0, sweep: float = 0.0) -> PeriodicMesh:
+    """The same triangles with vertices moved along the straight tube smoothly: crowded at ``x = L/2``, sparse at ``x = 0``.
+
+    A smooth map of ``(x, phi)`` that does not depend on the mesh: as the mesh is refined, its triangles become those of a
+    lattice, stretched. So do those that come from refining a tube's mesh as a whole.
+
+    Args:
+        mesh: of the straight tube.
+        ratio: of the largest spacing along the tube to the smallest.
+        sweep: largest angle by which sections are turned against each other, in radians; triangles become oblique.
+    """
+    k, most = 2 * math.pi / mesh.length, (ratio - 1) / (ratio + 1)
+    x, phi = mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])
+    return replace(mesh, vertices=cylinder(x + most * np.sin(k * x) / k, phi + sweep * np.sin(k * x)))
+
+
+def edited(mesh: PeriodicMesh, options: AdaptOptions | None = None) -> PeriodicMesh:
+    """The straight tube's mesh with triangles split, collapsed and flipped as on a branch: valences from 4 to 8.
+
+    Args:
+        mesh: of the straight tube.
+        options: when a triangle is changed; by default the paper's (Appendix B), by the mesh's mean area.
+    """
+    options = measured(options or AdaptOptions(largest=1.3, worst=8.0), mesh)
+    return straightened(adapted(mesh, Samples.of(mesh), options))
+
+
+def straightened(mesh: PeriodicMesh) -> PeriodicMesh:
+    """The same triangles with vertices moved radially onto the straight tube."""
+    return replace(mesh, vertices=cylinder(mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])))
+
+
+def carried(mesh: PeriodicMesh, surface: Surface) -> PeriodicMesh:
+    """The straight tube's triangles on another tube, vertices at the same parameters ``x`` and ``phi``."""
+    x, phi = mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])
+    return replace(mesh, vertices=np.asarray(surface(x, phi), dtype=float))

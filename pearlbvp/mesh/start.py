@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -16,12 +17,16 @@ from pearlbvp.mesh.periodic import Array, PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem, about, with_phases
 from pearlbvp.mesh.subdivision import limit_matrix
 from pearlbvp.newton import NewtonOptions
+from pearlbvp.theory.amplitude import linear
 from pearlbvp.theory.dispersion import critical_lambda2
 
 Form = Literal["pearl", "ring", "coil", "buckle"]
 
-APART = 0.2
-"""Distance in ``lambda2`` on both sides of a branch point at which the straight tube is solved for: it is singular there."""
+SECANTS = 12
+"""Steps of the secant method at most; on good meshes it takes two."""
+
+PRECISE = 1e-8
+"""Step in ``lambda2`` that the secant method makes its last: the next would be rounding."""
 
 NEWTON = NewtonOptions(max_iterations=20)
 
@@ -63,15 +68,32 @@ def equilibrium(
     return problem, solved(problem, guess)
 
 
-def straight(
-    mesh: PeriodicMesh, c0: float, lambda2: float, kind: Kind = "subdivision", functional: Functional | None = None
-) -> tuple[MeshProblem, Array]:
+def straight(mesh: PeriodicMesh, c0: float, lambda2: float, kind: Kind = "subdivision") -> tuple[MeshProblem, Array]:
     """The discrete straight tube of a given ``lambda2`` on a mesh with vertices on the unit cylinder."""
-    functional = functional or Functional(mesh, kind)
-    mesh = mesh.moved(functional.vertices_near(mesh.vertices))
-    parameters = np.array([cylinder_lambda1(lambda2, c0), lambda2, 1.0])
-    problem, guess = about(mesh, c0, parameters, kind, functional.on(mesh))
+    problem, guess = _cylinder(mesh, c0, lambda2, kind)
     return problem, solved(problem, guess, "lambda2")
+
+
+def _cylinder(mesh: PeriodicMesh, c0: float, lambda2: float, kind: Kind) -> tuple[MeshProblem, Array]:
+    """The problem about a mesh of the unit cylinder, and the exact parameters of a ``lambda2`` as its guess.
+
+    Its phase conditions are against translations across, whatever the mesh: shifted along or turned about itself the
+    cylinder stays where it is, and the small normal part that these motions have on a mesh is no motion but its error.
+    """
+    functional = Functional(mesh, kind)
+    mesh = mesh.moved(functional.vertices_near(mesh.vertices))
+    problem = _sharing(functional.on(mesh), MeshProblem(mesh, np.zeros((0, mesh.count)), c0, kind))
+    _, motions = problem.functional.normal_mass(mesh.vertices, problem.directions)
+    across = motions[1:3] / math.sqrt(math.pi * mesh.length)  # unit ones
+    parameters = [cylinder_lambda1(lambda2, c0), lambda2, 1.0]
+    guess = np.concatenate((np.zeros(mesh.count + len(across)), parameters))
+    return _sharing(problem.functional, replace(problem, phases=across)), guess
+
+
+def _sharing(functional: Functional, problem: MeshProblem) -> MeshProblem:
+    """The problem, with the functional that is on its mesh already."""
+    problem.__dict__["functional"] = functional
+    return problem
 
 
 def waves(points: Array, length: float, m: int, n: int) -> Array:
@@ -82,38 +104,71 @@ def waves(points: Array, length: float, m: int, n: int) -> Array:
     return np.array([a * b for a in along for b in around])
 
 
-def mode_rate(problem: MeshProblem, u: Array, m: int, n: int) -> float:
-    """Growth rate of a mode on the discrete straight tube: mean of the eigenvalues that belong to it.
-
-    Raises:
-        InputError: the mesh is too coarse for the mode.
-    """
-    shapes = waves(problem.points(u), problem.length, m, n)
-    rates, vectors, _ = problem.modes(u, 16)
-    mass, _ = problem.functional.normal_mass(problem.vertices(u), problem.directions)
-    overlap = ((shapes @ (mass @ vectors)) ** 2).sum(axis=0) / np.einsum("iv,iv->i", vectors.T, (mass @ vectors).T)
-    chosen = np.argsort(overlap)[-len(shapes) :]
-    if overlap[chosen].sum() < 0.8 * sum(shape @ (mass @ shape) for shape in shapes):
-        raise InputError(f"mode: {m, n} is none of the leading modes of this mesh; give more nodes")
-    return float(rates[chosen].mean())
-
-
 def branch_point(
     mesh: PeriodicMesh, c0: float, m: int, n: int, kind: Kind = "subdivision"
 ) -> tuple[MeshProblem, Array]:
     """The discrete straight tube on which a mode is neutral.
 
-    Its rate is all but linear in ``lambda2``; on each side, where the tube is regular, it is computed once.
+    A Lyapunov-Schmidt reduction: the displacement is kept orthogonal to the mode's waves. So the tube is regular at its
+    branch point, and exists on meshes that break the symmetry, where the pitchfork is imperfect and no equilibrium is near.
+    There the waves' rates differ as well; their mean vanishes at the point returned. It is all but linear in ``lambda2``,
+    and the secant method ends at rounding.
+
+    Args:
+        mesh: vertices on the unit cylinder.
+        c0: spontaneous curvature.
+        m, n: waves along and around the tube.
+        kind: the discretization.
+
+    Returns:
+        The problem, the mode's waves being the last of its phase conditions, and its solution. Their multipliers are the
+        force by which the mesh breaks the symmetry: 0 where it has that of a lattice, as structured meshes have.
+
+    Raises:
+        InputError: there is no such branch point, or the mesh is too coarse for the mode.
     """
     near = float(critical_lambda2(2 * math.pi * m / mesh.length, n, c0))
     if not math.isfinite(near):
         raise InputError(f"mode: {m, n} branches off nowhere; give another mode")
-    functional = Functional(mesh, kind)
-    sides = [straight(mesh, c0, near + side, kind, functional) for side in (-APART, APART)]
-    low, high = (mode_rate(problem, u, m, n) for problem, u in sides)
-    share = low / (low - high)
-    problem = sides[0][0]
-    return problem, (1 - share) * sides[0][1] + share * sides[1][1]
+    wave, edge = 2 * math.pi / math.hypot(2 * math.pi * m / mesh.length, n), float(mesh.edge_lengths.mean())
+    if wave < 2 * edge:
+        raise InputError(f"mode: {m, n} has waves shorter than two edges of the mesh, {2 * edge:.2g}; give more nodes")
+    problem, u, count = _without_mode(*_cylinder(mesh, c0, near, kind), m, n)
+    u = solved(problem, u, "lambda2")
+    rate, slope = _mean_rate(problem, u, count), float(linear((2 * math.pi * m / mesh.length) ** 2, n))
+    for _ in range(SECANTS):
+        step = -rate / slope
+        u = u.copy()
+        u[-3:-1] += -step, step  # lambda1 + lambda2 is all but constant
+        u = solved(problem, u, "lambda2")
+        if abs(step) < PRECISE:
+            return problem, u
+        before, rate = rate, _mean_rate(problem, u, count)
+        slope = (rate - before) / step
+    raise InputError(f"mode: {m, n} has no branch point on this mesh near lambda2 = {near:.4g}; give more nodes")
+
+
+def _without_mode(problem: MeshProblem, u: Array, m: int, n: int) -> tuple[MeshProblem, Array, int]:
+    """The problem with phase conditions against a mode's waves, orthonormal ones, besides its own; and their number."""
+    shapes = np.array([_control(problem.functional, wave) for wave in waves(problem.points(u), problem.length, m, n)])
+    mass, _ = problem.functional.normal_mass(problem.vertices(u), problem.directions)
+    rows = shapes @ mass
+    rows = np.linalg.solve(np.linalg.cholesky(rows @ shapes.T), rows)
+    found = _sharing(problem.functional, replace(problem, phases=np.vstack((problem.phases, rows))))
+    return found, np.concatenate((u[:-3], np.zeros(len(rows)), u[-3:])), len(rows)
+
+
+def _mean_rate(problem: MeshProblem, u: Array, count: int) -> float:
+    """Mean growth rate of the waves that are the last ``count`` phase conditions, at given area and ``lambda2``.
+
+    ``(F, B; B^T, 0) (w; g) = (0; 1)`` has ``w^T F w = -g``: the second variation reduced to the waves. It is singular where
+    that on all displacements is (W. J. F. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria (SIAM 2000),
+    ch. 3), and its eigenvalues are the growth rates where they vanish.
+    """
+    place = slice(u.size - 3 - count, u.size - 3)
+    unit, keep = np.zeros((u.size, count)), np.zeros_like(u)
+    unit[place], keep[-2] = np.eye(count), 1.0
+    return float(np.trace(problem.solve(u, unit, keep)[place]) / count)
 
 
 def onset(

@@ -14,8 +14,9 @@ from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, con
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.adaptation import AdaptOptions
-from pearlbvp.mesh.families import Surface, tube_mesh
+from pearlbvp.mesh.families import Surface, carried, tube_mesh
 from pearlbvp.mesh.functional import Kind
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.start import Form, equilibrium, onset
 from pearlbvp.stability.profile import Profile
@@ -65,12 +66,14 @@ def mesh_branch(
     return continue_branch(start, options or branch_options(), at_bifurcation=True)
 
 
-def meshed(point: BranchPoint[Any], nodes: int = NODES, *, kind: Kind = "subdivision") -> tuple[MeshProblem, Array]:
+def meshed(
+    point: BranchPoint[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision"
+) -> tuple[MeshProblem, Array]:
     """The equilibrium on a mesh at the reduced volume of a computed pearl, ring, coil or buckle.
 
     Args:
         point: of a branch of ``studies.branch`` or ``studies.tube``.
-        nodes: vertices of the mesh.
+        nodes: vertices of the mesh, or a mesh of the straight tube that is carried over to the shape.
         kind: the discretization.
 
     Returns:
@@ -80,7 +83,8 @@ def meshed(point: BranchPoint[Any], nodes: int = NODES, *, kind: Kind = "subdivi
         InputError: the mesh is too coarse for the shape.
     """
     found = point.observables
-    mesh = tube_mesh(found["L"], nodes, _surface(point.point.problem, point.point.u, found["L"]))
+    surface = _surface(point.point.problem, point.point.u, found["L"])
+    mesh = carried(nodes, surface) if isinstance(nodes, PeriodicMesh) else tube_mesh(found["L"], nodes, surface)
     return equilibrium(mesh, found["c0"], found["v"], found["lambda1"], found["lambda2"], kind)
 
 
@@ -127,9 +131,10 @@ def _of_profile(profile: Profile) -> Surface:
     along = PiecewisePolynomial(states.mesh, whole.arclength * cosines.integral())
 
     def points(x: Array, phi: Array) -> Array:
-        sigma = (x / profile.period) % 1.0
+        period = np.floor(x / profile.period)
+        sigma = x / profile.period - period
         r = states(sigma)[:, 0]
-        return np.column_stack((along(sigma)[:, 0], r * np.cos(phi), r * np.sin(phi)))
+        return np.column_stack((along(sigma)[:, 0] + profile.period * period, r * np.cos(phi), r * np.sin(phi)))
 
     return points
 
