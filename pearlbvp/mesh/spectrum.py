@@ -97,8 +97,8 @@ def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix,
     """Combinations of rows that stand for smooth displacements, unit ones, without those that are none.
 
     On the straight tube a shift along it moves no point along the normal, and on a mesh all but none; what remains is
-    roughness, and no kernel. So rows ``r`` are measured by ``s r (second + s mass)^{-1} r``: the mean square of a kernel,
-    and next to nothing of what is rough.
+    roughness, and no kernel. So rows ``r`` are smoothed, ``w = s (second + s mass)^{-1} r``: a kernel is left as it is, of
+    what is rough next to nothing, and the mean square of ``w`` tells them apart.
 
     Args:
         rows: products of displacements with the mass, shape (q, V).
@@ -111,8 +111,8 @@ def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix,
     """
     none = np.zeros((0, second.shape[0]))
     smoothed = Pinned.of((second + SMOOTH * mass).tocsc(), pins).bordered(none.T, none, np.zeros((0, 0)))
-    gram = SMOOTH * rows @ smoothed.solve(np.ascontiguousarray(rows.T), np.zeros((0, len(rows))), 0)
-    squares, vectors = np.linalg.eigh((gram + gram.T) / 2)
+    motions = SMOOTH * smoothed.solve(np.ascontiguousarray(rows.T), np.zeros((0, len(rows))), 0)
+    squares, vectors = np.linalg.eigh(motions.T @ (mass @ motions))
     kept = squares > NOTHING * mass.sum()
     return np.asarray((vectors[:, kept] / np.sqrt(squares[kept])).T @ rows)
 
