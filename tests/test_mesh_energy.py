@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
+from pearlbvp.bordered import Pinned, spread
 from pearlbvp.mesh.adaptation import smoothed
-from pearlbvp.mesh.bordered import Pinned, spread
 from pearlbvp.mesh.edits import apart, flipped
 from pearlbvp.mesh.families import jittered, tube_mesh
 from pearlbvp.mesh.functional import Functional

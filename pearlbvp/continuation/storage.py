@@ -34,14 +34,14 @@ def write_branch(branch: Branch[Any], path: Path) -> None:
             if id(point.problem) not in numbers:
                 numbers[id(point.problem)] = len(numbers)
                 problem = point.problem
-                _write_tree(problems.create_group(str(len(numbers) - 1)), problem.to_tree())
+                write_tree(problems.create_group(str(len(numbers) - 1)), problem.to_tree())
             group = points.create_group(str(index))
             group["u"], group["tangent"] = point.u, point.tangent
             group.attrs.update(
                 {"problem": numbers[id(point.problem)], "iterations": point.iterations, "step": point.step}
             )
             group.create_group("observables").attrs.update(point.observables)
-            _write_tree(group.create_group("spectrum"), entry.spectrum.to_tree())
+            write_tree(group.create_group("spectrum"), entry.spectrum.to_tree())
         special = file.create_group("special")
         for i, found in enumerate(branch.special):
             group = special.create_group(str(i))
@@ -76,7 +76,7 @@ def read_branch(path: Path, kinds: Mapping[str, tuple[Reader, Reader]]) -> Branc
             if file.attrs.get("format") != FORMAT or int(file.attrs.get("version", 0)) != VERSION:
                 raise InputError(f"resume: {path} is no branch saved by this version; save one with --save")
             problem_from, spectrum_from = kinds[str(file.attrs.get("kind", "pearl"))]
-            problems = [problem_from(_read_tree(file["problems"][str(i)])) for i in range(len(file["problems"]))]
+            problems = [problem_from(read_tree(file["problems"][str(i)])) for i in range(len(file["problems"]))]
             points = [_read_point(file["points"][str(i)], problems, spectrum_from) for i in range(len(file["points"]))]
             special = [_read_special(file["special"][str(i)].attrs, points) for i in range(len(file["special"]))]
             return Branch(points, special, str(file.attrs["reason"]), bool(file.attrs["complete"]))
@@ -100,7 +100,7 @@ def _read_point(group: Any, problems: list[Any], spectrum_from: Callable[[Mappin
     order = problem.observables(u)  # HDF5 sorts attributes by name; this also fails where u does not fit its mesh
     observables = {name: observables[name] for name in order}
     point = Point(problem, u, tangent, observables, int(group.attrs["iterations"]), float(group.attrs["step"]))
-    return BranchPoint(point, spectrum_from(_read_tree(group["spectrum"])))
+    return BranchPoint(point, spectrum_from(read_tree(group["spectrum"])))
 
 
 def _read_special(attributes: Any, points: list[BranchPoint[Any]]) -> SpecialPoint[Any]:
@@ -112,7 +112,8 @@ def _read_special(attributes: Any, points: list[BranchPoint[Any]]) -> SpecialPoi
     return SpecialPoint(str(attributes["kind"]), index, block, change, converged, (float(low), float(high)))
 
 
-def _write_tree(group: Any, tree: Mapping[str, Any]) -> None:
+def write_tree(group: Any, tree: Mapping[str, Any]) -> None:
+    """Arrays as datasets, numbers and words as attributes."""
     for name, value in tree.items():
         if isinstance(value, np.ndarray):
             group[name] = value
@@ -120,7 +121,8 @@ def _write_tree(group: Any, tree: Mapping[str, Any]) -> None:
             group.attrs[name] = value
 
 
-def _read_tree(group: Any) -> dict[str, Any]:
+def read_tree(group: Any) -> dict[str, Any]:
+    """The inverse of ``write_tree``."""
     return {name: group[name][()] for name in group} | {name: _plain(value) for name, value in group.attrs.items()}
 
 

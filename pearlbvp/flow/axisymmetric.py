@@ -195,6 +195,10 @@ class GraphFlow:
             matrix[diagonal] += 2 * by_g + factor / p
         return matrix
 
+    def metric(self, q: Array) -> Array:
+        """``1/p`` at the points, or 1 in the ``H^-1`` flow."""
+        return np.eye(self.points) if self.law == "diffusion" else np.diag(1 / self._p(q))
+
     def columns(self, q: Array) -> Array:
         """What each multiplier adds to the residual, shape (N, k)."""
         by_area = self._variations(q)[1][1]
@@ -325,6 +329,9 @@ class GraphFlow:
             return None
         finer = replace(self, points=points)
         return finer, self.interpolated(q, finer.x)
+
+    def remeshed(self, q: Array) -> None:
+        """A graph's points stay where they are."""
 
     def interpolated(self, q: Array, x: Array) -> Array:
         """The trigonometric interpolant at other places."""

@@ -1,8 +1,8 @@
 """States of a flow in HDF5 files, from which a run goes on that was killed. No pickle: opening one executes nothing.
 
-Layout: attributes ``format, version, t, start``; datasets ``q, rate, multipliers, kept``; groups ``problems/0 ...`` (attributes
-that describe a discretization), ``record`` (a dataset for each column) and ``frames/0 ...`` (``t`` and ``q`` of the shapes on
-one discretization).
+Layout: attributes ``format, version, t, start``; datasets ``q, rate, multipliers, kept``; groups ``problems/0 ...`` (what
+describes a discretization), ``record`` (a dataset for each column) and ``frames/0 ...`` (``t`` and ``q`` of the shapes on one
+discretization).
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from pearlbvp.continuation.storage import read_tree, write_tree
 from pearlbvp.errors import InputError
 from pearlbvp.flow.record import COLUMNS, FlowState, Frame, Record
 
@@ -29,7 +30,7 @@ def write_state(state: FlowState, path: Path) -> None:
         for name in ("q", "rate", "multipliers", "kept"):
             file[name] = getattr(state, name)
         for i, problem in enumerate(problems):
-            file.create_group(f"problems/{i}").attrs.update(problem.to_tree())
+            write_tree(file.create_group(f"problems/{i}"), problem.to_tree())
             shapes = [frame for frame in state.record.frames if frame.problem == problem]
             if shapes:
                 file[f"frames/{i}/t"] = [frame.t for frame in shapes]
@@ -62,8 +63,7 @@ def read_state(path: Path, problem_from: Callable[[Mapping[str, Any]], Any]) -> 
 
 
 def _read(file: Any, problem_from: Callable[[Mapping[str, Any]], Any]) -> FlowState:
-    trees = [file[f"problems/{i}"].attrs for i in range(len(file["problems"]))]
-    problems = [problem_from({name: tree[name] for name in tree}) for tree in trees]
+    problems = [problem_from(read_tree(file[f"problems/{i}"])) for i in range(len(file["problems"]))]
     area, volume = (float(value) for value in file.attrs["start"])
     record = Record((area, volume), {name: [float(value) for value in file["record"][name]] for name in COLUMNS})
     for i, problem in enumerate(problems):

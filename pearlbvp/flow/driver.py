@@ -221,7 +221,7 @@ class _Run:
         if trouble is not None:
             return _Ending(trouble.kind, trouble.place, trouble.advice)
         self.rest.saw(velocity)
-        return self._resolved() or self._at_rest(velocity)
+        return self._remeshed() or self._resolved() or self._at_rest(velocity)
 
     def _failed(self, message: str) -> _Ending | None:
         """After a failure the integrator starts afresh from the last accepted shape, a few times."""
@@ -232,6 +232,20 @@ class _Run:
             return _Ending("stalled", f"the solver gave up ({message}){near}", "loosen rtol, or take more points")
         rate, multipliers, _ = first_rates(self.state.problem, self.state.q)
         self._restart(replace(self.state, rate=rate, multipliers=multipliers))
+        return None
+
+    def _remeshed(self) -> _Ending | None:
+        """Go on in other coordinates where these no longer fit; a second row at the same time says what that changed."""
+        problem = self.state.problem
+        try:
+            found = problem.remeshed(self.state.q)
+        except InputError as error:
+            return _Ending("unresolved", f"no mesh fits the surface any more ({error})", "give more nodes")
+        if found is not None:
+            state = _moved(self.state, *found)
+            velocity = float(np.abs(state.problem.velocity(state.q, state.rate)).max())
+            state.record.add(state.t, state.problem, state.q, state.multipliers, velocity)
+            self._restart(state)
         return None
 
     def _resolved(self) -> _Ending | None:

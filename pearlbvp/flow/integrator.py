@@ -13,16 +13,19 @@ from typing import Any
 
 import numpy as np
 from scipy.sparse import issparse
-from scipy.sparse.linalg import splu
 
 # SUNDIALS would print every failed step on standard error; what a failure means is said by the driver.
 os.environ.setdefault("SUNLOGGER_ERROR_FILENAME", os.devnull)
 from sksundae.ida import IDA, IDAJacTimes, IDAPrecond
 
+from pearlbvp.bordered import Bordered, Pinned
 from pearlbvp.flow.problem import Array, FlowProblem
 
 IGNORED = 1e8
 """Absolute tolerance of the multipliers, at which IDA's error test ignores them."""
+
+NO_PINS = np.zeros(0, dtype=np.int64)
+"""The metric in the matrix leaves it no near kernels that it would have to be held against."""
 
 SMALL = 60
 """Number of unknowns up to which IDA's own dense factorization is faster than LAPACK's."""
@@ -39,8 +42,8 @@ class Tolerances:
 
 
 @dataclass
-class Bordered:
-    """The matrix of Newton's method with its sparse part factorized: set up by IDA when it wants a new one.
+class Preconditioner:
+    """The inverse of the matrix of Newton's method, its sparse part factorized: set up by IDA when it wants a new one.
 
     Attributes:
         problem: the flow.
@@ -51,51 +54,39 @@ class Bordered:
     problem: FlowProblem
     compliance: float
     size: int
-    _matrix: Any = field(default=None, repr=False)
-    _factors: Any = field(default=None, repr=False)
+    _metric: Any = field(default=None, repr=False)
     _factor: float = 0.0
-    _rows: Any = field(default=None, repr=False)
-    _columns: Any = field(default=None, repr=False)
-    _eliminated: Any = field(default=None, repr=False)
-    _corner: Any = field(default=None, repr=False)
+    _bordered: Bordered | None = field(default=None, repr=False)
 
     def setup(self, t: float, y: Array, yp: Array, r: Array, factor: float) -> None:
         """Factorize at a state."""
-        size = self.size
-        q = y[:size]
-        with np.errstate(all="ignore"):
-            self._matrix, self._factor = self.problem.jacobian(q, yp[:size], y[size:], factor).tocsc(), factor
-            self._rows, self._columns = self.problem.constraint_rows(q), self.problem.columns(q)
+        q, rate, multipliers = y[: self.size], yp[: self.size], y[self.size :]
+        self._factor, self._metric = factor, self.problem.metric(q)
+        columns, rows = self.problem.columns(q), self.problem.constraint_rows(q)
+        corner = -self.compliance * np.eye(len(rows))
         try:
-            self._factors = splu(self._matrix)
-        except RuntimeError:  # singular, or not finite: no correction is finite then, and IDA takes a shorter step
-            self._factors = None
-            return
-        self._eliminated = self._factors.solve(np.ascontiguousarray(self._columns))
-        self._corner = -self.compliance * np.eye(len(self._rows)) - self._rows @ self._eliminated
+            with np.errstate(all="ignore"):
+                matrix = self.problem.jacobian(q, rate, multipliers, factor).tocsc()
+                self._bordered = Pinned.of(matrix, NO_PINS).bordered(columns, rows, corner)
+        except np.linalg.LinAlgError:  # no correction is finite then, and IDA takes a shorter step
+            self._bordered = None
 
     def solve(self, t: float, y: Array, yp: Array, r: Array, rhs: Array, z: Array, factor: float, delta: float) -> None:
         """``z`` with ``[[A, C], [R, -epsilon]] z = rhs`` at the state of the last set-up."""
-        size = self.size
-        if self._factors is None:
+        if self._bordered is None:
             z[:] = np.nan
             return
-        inner = self._factors.solve(rhs[:size])
-        multipliers = np.linalg.solve(self._corner, rhs[size:] - self._rows @ inner)
-        z[:size], z[size:] = inner - self._eliminated @ multipliers, multipliers
+        z[:] = self._bordered.solve(rhs[: self.size, None], rhs[self.size :, None], refinements=0)[:, 0]
 
     def times(self, t: float, y: Array, yp: Array, r: Array, v: Array, result: Array, factor: float) -> None:
-        """That matrix times ``v``, for the present step's ``factor`` of the metric: the residual is affine in the rate."""
-        size = self.size
-        moved, multipliers = v[:size], v[size:]
-        result[:size] = self._matrix @ moved + self._columns @ multipliers
-        if factor != self._factor:
-            with np.errstate(all="ignore"):
-                metric = self.problem.residual(y[:size], moved, y[size:]) - self.problem.residual(
-                    y[:size], 0 * moved, y[size:]
-                )
-            result[:size] += (factor - self._factor) * metric
-        result[size:] = self._rows @ moved - self.compliance * multipliers
+        """That matrix times ``v``, for the present step's ``factor`` of the metric."""
+        if self._bordered is None:
+            result[:] = np.nan
+            return
+        b, moved, multipliers = self._bordered, v[: self.size], v[self.size :]
+        result[: self.size] = b.pinned.matrix @ moved + b.columns @ multipliers
+        result[: self.size] += (factor - self._factor) * (self._metric @ moved)
+        result[self.size :] = b.rows @ moved + b.corner @ multipliers
 
 
 def integrator(
@@ -120,10 +111,10 @@ def integrator(
 
     linear: dict[str, Any] = {"linsolver": "lapackdense" if size > SMALL else "dense", "jacfn": jacobian}
     if issparse(problem.jacobian(q, rate, multipliers, 1.0)):
-        bordered = Bordered(problem, compliance, size)
+        inverse = Preconditioner(problem, compliance, size)
         linear = {
-            "linsolver": "gmres", "krylov_dim": 10, "precond": IDAPrecond(bordered.setup, bordered.solve),
-            "jactimes": IDAJacTimes(None, bordered.times),
+            "linsolver": "gmres", "krylov_dim": 10, "precond": IDAPrecond(inverse.setup, inverse.solve),
+            "jactimes": IDAJacTimes(None, inverse.times),
         }  # fmt: skip
     solver = IDA(
         residual, algebraic_idx=list(range(size, size + k)), rtol=tolerances.rtol,

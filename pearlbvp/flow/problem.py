@@ -64,6 +64,9 @@ class FlowProblem(Protocol):
     def jacobian(self, q: Array, rate: Array, multipliers: Array, factor: float) -> Any:
         """The residual's derivative by ``q`` plus ``factor`` times that by ``rate``, shape (N, N), dense or sparse."""
 
+    def metric(self, q: Array) -> Any:
+        """The residual's derivative by ``rate``, shape (N, N), as ``jacobian`` has it."""
+
     def columns(self, q: Array) -> Array:
         """The residual's derivative by the multipliers, shape (N, k)."""
 
@@ -92,7 +95,7 @@ class FlowProblem(Protocol):
         """The problem, and its multipliers, whose residual without a rate is ``-G`` itself: what Newton's method solves."""
 
     def kernels(self, q: Array) -> Array:
-        """Rates of the rigid motions that this discretization has, shape (motions, N)."""
+        """A row for each rigid motion that there is, its rate or the metric's product with that, shape (motions, N)."""
 
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Largest growth rates at an equilibrium, rigid motions left out, and their vectors, shapes (count,), (N, count)."""
@@ -109,8 +112,15 @@ class FlowProblem(Protocol):
     def refined(self, q: Array) -> tuple[Any, Array] | None:
         """The same surface with more coordinates, or None where there are no more to be had."""
 
-    def surface(self, q: Array, along: int = 161, around: int = 49) -> tuple[Array, Array, Array]:
-        """Points to draw: ``x, y, z``, each of shape (along, around), closed around."""
+    def remeshed(self, q: Array) -> tuple[Any, Array] | None:
+        """The surface in coordinates that fit it, where these no longer do; else None.
+
+        Raises:
+            InputError: there are none to be had; the message says why.
+        """
+
+    def surface(self, q: Array, along: int = 161, around: int = 49) -> Any:
+        """What to draw: ``x, y, z``, each of shape (along, around), closed around, or a triangulated surface."""
 
     def to_tree(self) -> Mapping[str, Any]:
         """Everything as arrays, numbers and words, to be saved."""

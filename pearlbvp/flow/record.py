@@ -169,6 +169,14 @@ class FlowResult:
         return self.status in ("steady", "time")
 
     def largest_rise(self) -> float:
-        """Largest rise of the energy from one step to the next, relative to the energy."""
-        energy = np.array(self.state.record.rows["E"])
-        return float((np.diff(energy, prepend=energy[0]) / np.abs(energy).max()).max())
+        """Largest rise of the energy from one step to the next, relative to the energy; remeshing is no step."""
+        return float(self._changes(steps=True).max(initial=0.0))
+
+    def largest_jump(self) -> float:
+        """Largest change of the energy by remeshing, up or down, relative to the energy."""
+        return float(np.abs(self._changes(steps=False)).max(initial=0.0))
+
+    def _changes(self, steps: bool) -> Array:
+        """Relative changes of the energy in time steps, or at one time."""
+        energy, t = (np.array(self.state.record.rows[name]) for name in ("E", "t"))
+        return np.asarray(np.diff(energy)[(np.diff(t) > 0) == steps] / np.abs(energy).max())

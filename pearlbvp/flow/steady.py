@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import bmat, issparse
-from scipy.sparse.linalg import splu
+from scipy.sparse import issparse
 
+from pearlbvp.bordered import Pinned
 from pearlbvp.flow.problem import Array, FlowProblem
 from pearlbvp.flow.record import Equilibrium
 from pearlbvp.newton import NewtonOptions, newton
 
 FARTHEST = 0.1
-"""Change of the coordinates, relative to them, beyond which Newton's method has left for another equilibrium."""
+"""Change of the coordinates, in radii of the tube, beyond which Newton's method has left for another equilibrium."""
+
+PINS = 16
+"""Coordinates at which a sparse matrix is held while it is factorized: more than there are rigid motions."""
 
 
 def polished(problem: FlowProblem, q: Array, multipliers: Array, kept: Array) -> Equilibrium:
@@ -40,16 +43,18 @@ def polished(problem: FlowProblem, q: Array, multipliers: Array, kept: Array) ->
         border = np.hstack((form.columns(shape), motions.T))
         rows = np.vstack((form.constraint_rows(shape), motions))
         inner = form.jacobian(shape, still, u[size : size + k], 0.0)
-        if issparse(inner):  # borders inside: a few times only, and without them the rigid motions make it singular
-            return np.asarray(splu(bmat([[inner, border], [rows, None]], format="csc")).solve(f))
         corner = np.zeros((border.shape[1],) * 2)
+        if issparse(inner):  # held at some points, for the rigid motions all but make it singular
+            pins = np.linspace(0, size - 1, PINS).astype(np.int64)
+            bordered = Pinned.of(inner.tocsc(), pins).bordered(border, rows, corner)
+            return bordered.solve(f[:size, None], f[size:, None])[:, 0]
         return np.asarray(np.linalg.solve(np.block([[inner, border], [rows, corner]]), f))
 
     found = newton(
         residual, correct, np.concatenate((q, start, np.zeros(len(motions)))), NewtonOptions(tolerance=1e-15)
     )
     shape, forces = found.u[:size], found.u[size : size + k]
-    near = found.converged and float(np.abs(shape - q).max()) < FARTHEST * float(np.abs(q).max())
+    near = found.converged and float(np.abs(shape - q).max()) < FARTHEST
     if not near:
         shape, forces = q, start
     rates = form.growth_rates(shape, forces)[0]

@@ -195,14 +195,15 @@ class TubeFlow:
             rows.append(self.tensor.adjoint(z[3:4], FIELDS[3:4]).ravel())
         return np.array(rows)
 
-    def _metric(self, q: Array) -> Array:
+    def metric(self, q: Array) -> Array:
+        """Mean products of normal displacements."""
         return self.tensor.sandwich(self._mass(self._fields(q)), DISPLACEMENT, DISPLACEMENT)
 
     def moved_by(self, q: Array, speed: Array) -> Array:
         """The rate whose normal velocity is nearest to given speeds, in ``L^2`` of the surface."""
         z = self._fields(q)
         force = self.tensor.adjoint(np.array((z[3] * speed, -z[2] * speed)), DISPLACEMENT).ravel()
-        return np.asarray(np.linalg.solve(self._metric(q), force))
+        return np.asarray(np.linalg.solve(self.metric(q), force))
 
     def velocity(self, q: Array, rate: Array) -> Array:
         """Outward normal velocity at the grid's points."""
@@ -216,7 +217,7 @@ class TubeFlow:
 
     def resistance(self, q: Array, force: Array) -> Array:
         """The metric's inverse on a force."""
-        return np.asarray(np.linalg.solve(self._metric(q), force))
+        return np.asarray(np.linalg.solve(self.metric(q), force))
 
     def equilibrium(self, q: Array, multipliers: Array) -> tuple[TubeFlow, Array]:
         """This problem itself."""
@@ -236,7 +237,7 @@ class TubeFlow:
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Growth rates of all perturbations in these modes."""
         second = self._second(self._fields(q), float(multipliers[0]), self._lambda2(multipliers))
-        return growth_rates(second, self._metric(q), self.constraint_rows(q), self.kernels(q), count)
+        return growth_rates(second, self.metric(q), self.constraint_rows(q), self.kernels(q), count)
 
     def observables(self, q: Array, multipliers: Array) -> dict[str, float]:
         """Energy by area, multipliers, reduced volume; radii are measured from the sections' centres."""
@@ -295,6 +296,9 @@ class TubeFlow:
             return None
         finer = replace(self, size=(size[0], size[1]))
         return finer, self.tensor.moved(self._matrix(q), finer.tensor).ravel()
+
+    def remeshed(self, q: Array) -> None:
+        """Modes fit as long as sections are star-shaped."""
 
     def surface(self, q: Array, along: int = 161, around: int = 49) -> tuple[Array, Array, Array]:
         """Points to draw: ``x, y, z``, each of shape (along, around), closed around."""

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
+from pearlbvp.bordered import factorized
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.edits import apart, collapsed, flipped, may_collapse, split
 from pearlbvp.mesh.operators import cotangents, vertex_normals
@@ -168,9 +168,7 @@ def spread_out(mesh: PeriodicMesh, samples: Samples, steps: int) -> PeriodicMesh
         pulls = np.column_stack(
             [np.bincount(mesh.tail, mesh.edge_vectors[:, x], minlength=mesh.count) for x in range(3)]
         )
-        moves = splu(
-            springs.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, relax=1, options={"SymmetricMode": True}
-        ).solve(tangents.T @ pulls.T.ravel())
+        moves = factorized(springs.tocsc()).solve(tangents.T @ pulls.T.ravel())
         try:
             mesh = mesh.moved(samples.project(mesh.vertices + (tangents @ moves).reshape(3, -1).T))
         except InputError:

@@ -25,7 +25,7 @@ from pearlbvp.mesh.limit import limit_mass, limit_sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals, volume_gradient
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
 from pearlbvp.mesh.polyhedron import star_sums
-from pearlbvp.mesh.subdivision import Patches, Topology, limit_matrix, patches
+from pearlbvp.mesh.subdivision import Patches, limit_matrix, patches
 
 Kind = Literal["subdivision", "cotangent"]
 
@@ -158,14 +158,19 @@ class Functional:
         return sparse.diags(mass * moved**2, format="csc"), np.vstack((normals.T, turn)) * moved
 
     @cached_property
-    def _limit(self) -> tuple[Topology, sparse.csr_matrix, Array]:
-        return limit_matrix(self.mesh)
+    def _limit(self) -> tuple[sparse.csr_matrix, Array]:
+        if self.kind == "cotangent":
+            return sparse.eye(self.mesh.count, format="csr"), np.zeros(self.mesh.count)
+        return limit_matrix(self.mesh)[1:]
+
+    @property
+    def point_matrix(self) -> sparse.csr_matrix:
+        """Displacements of the surface at its vertices by those of the vertices, shape (V, V)."""
+        return self._limit[0]
 
     def points(self, vertices: Array) -> Array:
         """Where the vertices lie on the surface, shape (V, 3)."""
-        if self.kind == "cotangent":
-            return vertices
-        _, matrix, offsets = self._limit
+        matrix, offsets = self._limit
         points = matrix @ vertices
         points[:, 0] += offsets
         return points

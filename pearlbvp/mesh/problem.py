@@ -12,13 +12,14 @@ takes the surface itself as the next reference, with triangles split, collapsed 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 
+from pearlbvp.bordered import Pinned, spread
 from pearlbvp.continuation.path import correct
 from pearlbvp.mesh.adaptation import (
     AdaptOptions,
@@ -29,7 +30,6 @@ from pearlbvp.mesh.adaptation import (
     satisfied,
     spread_out,
 )
-from pearlbvp.mesh.bordered import Pinned, spread
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
@@ -90,7 +90,8 @@ class MeshProblem:
         return vertex_normals(self.mesh)
 
     @cached_property
-    def _pins(self) -> Integers:
+    def pins(self) -> Integers:
+        """Vertices held while a matrix is factorized."""
         return spread(self.mesh.vertices, PINS)
 
     def vertices(self, u: Array) -> Array:
@@ -138,7 +139,7 @@ class MeshProblem:
         corner[phases + 1, -1] = -math.pi * self.length
         corner[phases + 2 :] = extra[:, count:]
         load = rhs.reshape(u.size, -1)
-        bordered = Pinned.of(hessian, self._pins).bordered(columns, rows, corner)
+        bordered = Pinned.of(hessian, self.pins).bordered(columns, rows, corner)
         found = bordered.solve(load[:count], load[count:])
         if self.orbits is not None:  # rounding breaks the symmetry, and grows where a branch that breaks it is near
             found[:count] = mean(self.orbits, found[:count])
@@ -189,8 +190,8 @@ class MeshProblem:
         mass, motions = self.functional.normal_mass(vertices, self.directions)
         kept = sums.gradients[1:] if self.fixed == "area and volume" else sums.gradients[1:2]
         unit = kept / np.linalg.norm(kept, axis=1)[:, None] * np.linalg.norm(motions[1])
-        rows = np.vstack([independent(some, second, mass, self._pins) for some in (unit, motions)])
-        return leading(second, mass, rows, self._pins, counts, self.orbits)
+        rows = np.vstack([independent(some, second, mass, self.pins) for some in (unit, motions)])
+        return leading(second, mass, rows, self.pins, counts, self.orbits)
 
     def modes(self, u: Array, count: int = RATES) -> tuple[Array, Array, int]:
         """Leading growth rates, their displacements as columns, shape (V, count), and the number of positive rates."""
@@ -212,26 +213,11 @@ class MeshProblem:
 
     def remesh(self, u: Array, *others: Array) -> tuple[MeshProblem, list[Array]] | None:
         """The problem about the surface itself on an adapted mesh, where the reference no longer fits; else None."""
-        surface, options = self.surface(u), measured(self.adapt, self.mesh)
-        vertices, count = self.vertices(u), self.mesh.count
-        stretched, poor = is_stretched(surface, options), needs_adaptation(surface, options)
-        tilt = np.einsum("ix,ix->i", vertex_normals(self.mesh.moved(vertices)), self.directions).min()
-        if not stretched and not poor and tilt > options.steepest:
+        count = self.mesh.count
+        found = self.respread(u, [vector[:count, None] * self.directions for vector in others])
+        if found is None:
             return None
-        fields = [vector[:count, None] * self.directions for vector in others]
-        if not stretched and not poor:  # the same surface on the same triangles: only the directions change
-            mesh = self.mesh.moved(vertices)
-        elif self.kind == "subdivision" and surface.areas.max() > options.largest * options.area:
-            mesh, matrix = subdivided(self.mesh.moved(vertices))
-            fields = [matrix @ moves for moves in fields]
-        else:
-            samples = self._samples(u)
-            surface = spread_out(surface, samples, options.spreading)
-            if self.kind == "cotangent" and needs_adaptation(surface, options):
-                surface = adapted(surface, samples, options)
-            mesh = surface.moved(self.functional.on(surface).vertices_near(surface.vertices))
-            fields = [samples.field(surface.vertices, moves) for moves in fields]
-        options = satisfied(options, mesh)
+        mesh, fields, options = found
         functional = self.functional.on(mesh)
         problem, moved = about(mesh, self.c0, u[-3:], self.kind, functional, fixed=self.fixed, adapt=options)
         vectors = [moved]
@@ -247,6 +233,37 @@ class MeshProblem:
         if settled.converged:
             vectors[0] = settled.u
         return problem, vectors
+
+    def respread(self, u: Array, fields: Sequence[Array]) -> tuple[PeriodicMesh, list[Array], AdaptOptions] | None:
+        """The surface at ``u`` as the next reference, on an adapted mesh where this one no longer fits; else None.
+
+        Args:
+            u: the surface.
+            fields: displacements of the vertices, each of shape (V, 3).
+
+        Returns:
+            The mesh, the fields on it, and options that it satisfies.
+        """
+        surface, options = self.surface(u), measured(self.adapt, self.mesh)
+        vertices = self.vertices(u)
+        stretched, poor = is_stretched(surface, options), needs_adaptation(surface, options)
+        tilt = np.einsum("ix,ix->i", vertex_normals(self.mesh.moved(vertices)), self.directions).min()
+        if not stretched and not poor and tilt > options.steepest:
+            return None
+        moved = list(fields)
+        if not stretched and not poor:  # the same surface on the same triangles: only the directions change
+            mesh = self.mesh.moved(vertices)
+        elif self.kind == "subdivision" and surface.areas.max() > options.largest * options.area:
+            mesh, matrix = subdivided(self.mesh.moved(vertices))
+            moved = [matrix @ field for field in fields]
+        else:
+            samples = self._samples(u)
+            surface = spread_out(surface, samples, options.spreading)
+            if self.kind == "cotangent" and needs_adaptation(surface, options):
+                surface = adapted(surface, samples, options)
+            mesh = surface.moved(self.functional.on(surface).vertices_near(surface.vertices))
+            moved = [samples.field(surface.vertices, field) for field in fields]
+        return mesh, moved, satisfied(options, mesh)
 
     def _samples(self, u: Array) -> Samples:
         """The surface at ``u``, to project onto."""
@@ -302,7 +319,7 @@ class MeshProblem:
     def _with(self, **changes: Any) -> MeshProblem:
         """The problem with other phases or orbits; what depends on the mesh only is kept."""
         found = replace(self, **changes)
-        for name in ("functional", "directions", "_pins"):
+        for name in ("functional", "directions", "pins"):
             found.__dict__[name] = getattr(self, name)
         return found
 
@@ -336,7 +353,7 @@ def phase_rows(problem: MeshProblem, u: Array) -> Array:
     vertices, directions = problem.vertices(u), problem.directions
     second, _ = problem.functional.hessian(vertices, directions, problem.c0, u[-3], u[-2])
     mass, motions = problem.functional.normal_mass(vertices, directions)
-    return independent(motions, second, mass, problem._pins)
+    return independent(motions, second, mass, problem.pins)
 
 
 def about(

@@ -47,12 +47,17 @@ def _moments(corners, places, period):  # type: ignore[no-untyped-def]
     return found
 
 
-def radii(mesh: PeriodicMesh) -> tuple[float, float]:
-    """Smallest and largest distance of the vertices from the centres of their sections."""
+def distances(mesh: PeriodicMesh) -> Array:
+    """Distance of each vertex from the centre of its section, shape (V,)."""
     first = 1e-9 * mesh.length  # not through the rows of a structured mesh
     known = centres(mesh, first + np.arange(PLANES) / PLANES * mesh.length)
     waves = np.exp(2j * np.pi * np.outer((mesh.vertices[:, 0] - first) / mesh.length, np.arange(PLANES // 2)))
     coefficients = np.fft.rfft(known, axis=0)[: PLANES // 2] / PLANES
     coefficients[1:] *= 2
-    distance = np.linalg.norm(mesh.vertices[:, 1:] - (waves @ coefficients).real, axis=1)
-    return float(distance.min()), float(distance.max())
+    return np.linalg.norm(mesh.vertices[:, 1:] - (waves @ coefficients).real, axis=1)
+
+
+def radii(mesh: PeriodicMesh) -> tuple[float, float]:
+    """Smallest and largest distance of the vertices from the centres of their sections."""
+    found = distances(mesh)
+    return float(found.min()), float(found.max())

@@ -17,7 +17,7 @@ from scipy import sparse
 from scipy.linalg import eigh, null_space
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from pearlbvp.mesh.bordered import Bordered, Pinned
+from pearlbvp.bordered import Bordered, Pinned
 from pearlbvp.mesh.periodic import Array, Integers
 from pearlbvp.mesh.symmetry import mean
 

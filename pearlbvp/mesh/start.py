@@ -15,7 +15,6 @@ from pearlbvp.helfrich import Tube, cylinder_lambda1
 from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import Array, PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem, about, with_phases
-from pearlbvp.mesh.subdivision import limit_matrix
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.theory.amplitude import linear
 from pearlbvp.theory.dispersion import critical_lambda2
@@ -204,6 +203,4 @@ def onset(
 
 def _control(functional: Functional, values: Array) -> Array:
     """Displacements of the vertices that displace the surface by ``values`` there."""
-    if functional.kind == "cotangent":
-        return values
-    return np.asarray(splu(limit_matrix(functional.mesh)[1].tocsc()).solve(values))
+    return np.asarray(splu(functional.point_matrix.tocsc()).solve(values))

@@ -17,6 +17,8 @@ from pearlbvp.errors import InputError
 from pearlbvp.files import writable, write_whole
 from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.checkpoint import read_state, write_state
+from pearlbvp.flow.mesh import MeshFlow
+from pearlbvp.flow.problem import FlowProblem
 from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState
 from pearlbvp.flow.tube import TubeFlow
 from pearlbvp.helfrich import Tube
@@ -26,10 +28,13 @@ from pearlbvp.stability.bloch import Fixed
 from pearlbvp.stability.spectrum import Spectrum
 from pearlbvp.studies.branch import branch_options
 
+KINDS: dict[str, Any] = {"graph": GraphFlow, "tube": TubeFlow, "mesh": MeshFlow}
 
-def _problem(tree: Mapping[str, Any]) -> GraphFlow | TubeFlow:
+
+def _problem(tree: Mapping[str, Any]) -> FlowProblem:
     """A discretization from what a file says of it."""
-    return TubeFlow.from_tree(tree) if str(tree["kind"]) == "tube" else GraphFlow.from_tree(tree)
+    found: FlowProblem = KINDS[str(tree["kind"])].from_tree(tree)
+    return found
 
 
 def save(state: FlowState, path: str | os.PathLike[str]) -> None:

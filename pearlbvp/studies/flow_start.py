@@ -18,14 +18,20 @@ from pearlbvp.continuation.segment import Segment
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, constrained, flow
+from pearlbvp.flow.mesh import MeshFlow, mesh_flow
 from pearlbvp.flow.perturbation import along_critical, bump
 from pearlbvp.flow.problem import Law
 from pearlbvp.flow.record import FlowResult
 from pearlbvp.flow.steady import polished
 from pearlbvp.flow.tube import TubeFlow
 from pearlbvp.helfrich import Tube, finite
+from pearlbvp.mesh.adaptation import smoothed
+from pearlbvp.mesh.functional import Functional, Kind
+from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.stability.profile import Profile
+from pearlbvp.studies.mesh import NODES, meshed
 from pearlbvp.tube.problem import TubeProblem
 
 SAMPLES = {
@@ -212,6 +218,49 @@ def _settled(tube: TubeFlow, q: Array, found: Mapping[str, float]) -> FlowStart:
     if not there.converged or abs(there.observables["E"] - found["E"]) > UNLIKE * found["E"]:
         raise InputError(f"size: {tube.size[0]} x {tube.size[1]} modes do not hold a branch's shape; take more")
     return FlowStart(tube, there.q, there.multipliers)
+
+
+def mesh_start(
+    point: Point[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision", law: Law = "area and volume"
+) -> FlowStart:
+    """A solution of any family on a triangulated tube, an equilibrium of that discretization.
+
+    Args:
+        point: of a branch of any family; of a branch on meshes it is taken as it is, and ``nodes`` and ``kind`` are not used.
+        nodes: vertices of the mesh, or a mesh of the straight tube that is carried over to the shape.
+        kind: the discretization.
+        law: what the flow keeps.
+
+    Raises:
+        InputError: the mesh is too coarse for the shape, or an argument cannot be used.
+    """
+    problem, u = point.problem, point.u
+    if not isinstance(problem, MeshProblem):
+        problem, u = meshed(point, nodes, kind=kind)
+    pressure = float(u[-2]) if law == "area" else 0.0
+    mesh = problem.mesh.moved(problem.vertices(u))
+    start = mesh_flow(mesh, problem.c0, problem.kind, law, pressure, problem.functional, adapt=problem.adapt)
+    q = np.zeros(mesh.count)
+    return FlowStart(start, q, u[-3:-1][: len(start.constraints(q))])
+
+
+def surface_start(
+    c0: float, mesh: PeriodicMesh, *, kind: Kind = "subdivision", law: Law = "area and volume", pressure: float = 0.0
+) -> tuple[MeshFlow, Array]:
+    """Any triangulated tube, read from a file say, as a flow and its coordinates; no equilibrium is asked for.
+
+    Rough meshes are smoothed first where the discretization needs it: ``mesh.adaptation.smoothed``.
+
+    Args:
+        c0: spontaneous curvature.
+        mesh: vertices on the surface; they are spread out along it for subdivision surfaces.
+        kind: the discretization.
+        law, pressure: what the flow keeps, and the pressure difference where that is the area alone.
+    """
+    mesh = smoothed(mesh) if kind == "subdivision" else mesh
+    functional = Functional(mesh, kind)
+    reference = mesh.moved(functional.vertices_near(mesh.vertices))
+    return mesh_flow(reference, finite("c0", c0), kind, law, pressure, functional), np.zeros(mesh.count)
 
 
 def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:

@@ -11,6 +11,7 @@ import numpy as np
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
+from pearlbvp.continuation.path import Point
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.adaptation import AdaptOptions
@@ -67,12 +68,12 @@ def mesh_branch(
 
 
 def meshed(
-    point: BranchPoint[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision"
+    point: BranchPoint[Any] | Point, nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision"
 ) -> tuple[MeshProblem, Array]:
     """The equilibrium on a mesh at the reduced volume of a computed pearl, ring, coil or buckle.
 
     Args:
-        point: of a branch of ``studies.branch`` or ``studies.tube``.
+        point: of a branch of ``studies.branch``, ``studies.ring`` or ``studies.tube``.
         nodes: vertices of the mesh, or a mesh of the straight tube that is carried over to the shape.
         kind: the discretization.
 
@@ -82,8 +83,9 @@ def meshed(
     Raises:
         InputError: the mesh is too coarse for the shape.
     """
-    found = point.observables
-    surface = _surface(point.point.problem, point.point.u, found["L"])
+    at = point.point if isinstance(point, BranchPoint) else point
+    found = at.observables
+    surface = _surface(at.problem, at.u, found["L"])
     mesh = carried(nodes, surface) if isinstance(nodes, PeriodicMesh) else tube_mesh(found["L"], nodes, surface)
     return equilibrium(mesh, found["c0"], found["v"], found["lambda1"], found["lambda2"], kind)
 

@@ -1,0 +1,272 @@
+"""Flow of triangulated tubes: vertices move along the normals of a reference mesh, which is renewed on the way.
+
+``X_i = X0_i + q_i N_i``. The energy is that of ``mesh.functional``, the metric the mean square of normal displacements on
+the same surface: ``M(q) q_t = -grad F(q)``. Where the directions no longer fit, or triangles are stretched, the surface itself
+becomes the next reference (``remeshed``); the flow restarts there. The same triangles with new directions, or each in four,
+leave the surface as it is; vertices spread out anew are another discrete surface, whose energy differs by the error of the
+discretization, up or down.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, get_args
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from pearlbvp.bordered import factorized
+from pearlbvp.errors import InputError
+from pearlbvp.flow.problem import Array, Law, Trouble
+from pearlbvp.mesh.functional import Functional, Kind, Sums
+from pearlbvp.mesh.operators import vertex_normals
+from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.mesh.problem import MeshProblem
+from pearlbvp.mesh.sections import distances, radii
+from pearlbvp.mesh.spectrum import Fixed, independent
+
+UNRESOLVED = 0.6
+"""Radius of a neck by the length of its longest edges at which a flow ends; at 0.4 a limit surface's control mesh closes."""
+
+
+def mesh_flow(
+    mesh: PeriodicMesh,
+    c0: float,
+    kind: Kind = "subdivision",
+    law: Law = "area and volume",
+    pressure: float = 0.0,
+    functional: Functional | None = None,
+    **others: Any,
+) -> MeshFlow:
+    """The flow from a mesh on, which is its reference; its vertices are those of the discretization (``vertices_near``).
+
+    Args:
+        mesh: the reference.
+        c0: spontaneous curvature.
+        kind: the discretization.
+        law, pressure: what the flow keeps, and the pressure difference where that is the area alone.
+        functional: that on the mesh, where there is one already.
+        others: further attributes of the ``MeshProblem``.
+    """
+    fixed: Fixed = "area" if law == "area" else "area and volume"
+    reference = MeshProblem(mesh, np.zeros((0, mesh.count)), c0, kind, fixed, **others)
+    if functional is not None:
+        reference.__dict__["functional"] = functional.on(mesh)
+    return MeshFlow(reference, law, pressure)
+
+
+@dataclass(frozen=True, eq=False)
+class MeshFlow:
+    """Triangulated tubes near a reference; ``q`` holds the displacements of its ``V`` vertices.
+
+    Attributes:
+        reference: its mesh, discretization, and how it is adapted.
+        law: what the flow keeps: area and volume, or the area.
+        pressure: the given ``lambda2`` where the law keeps the area alone.
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+
+    reference: MeshProblem
+    law: Law = "area and volume"
+    pressure: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.law not in get_args(Law):
+            raise InputError(f"law: {self.law!r} is none of {', '.join(get_args(Law))}")
+        if self.law == "diffusion":
+            raise InputError("law: the H^-1 flow is built for axisymmetric shapes; choose 'area and volume' or 'area'")
+
+    @property
+    def length(self) -> float:
+        """The period."""
+        return self.reference.length
+
+    @property
+    def unit(self) -> float:
+        """Area of the straight tube, by which energy, area and volume are divided."""
+        return 2 * math.pi * self.length
+
+    @property
+    def space(self) -> str:
+        """What it describes."""
+        return "triangulated tubes"
+
+    def vertices(self, q: Array) -> Array:
+        """The vertices displaced, shape (V, 3)."""
+        return self.reference.vertices(q)
+
+    def mesh(self, q: Array) -> PeriodicMesh:
+        """The surface as a mesh with its vertices on it, to draw, to write, to go on from."""
+        return self.reference.surface(q)
+
+    @cached_property
+    def _last(self) -> dict[bytes, Sums]:
+        """The sums at the last shape that was asked for: each step asks several times."""
+        return {}
+
+    def _sums(self, q: Array) -> Sums:
+        key = q.tobytes()
+        if key not in self._last:
+            self._last.clear()
+            r = self.reference
+            self._last[key] = r.functional.sums(self.vertices(q), r.directions, r.c0)
+        return self._last[key]
+
+    def _unknown(self, q: Array, multipliers: Array) -> Array:
+        """As ``MeshProblem`` has it; the volume is not used."""
+        return np.concatenate((q, [multipliers[0], self._lambda2(multipliers), 0.0]))
+
+    def _lambda2(self, multipliers: Array) -> float:
+        return float(multipliers[1]) if self.law == "area and volume" else self.pressure
+
+    def residual(self, q: Array, rate: Array, multipliers: Array) -> Array:
+        """``M q_t + grad F``."""
+        try:
+            self.reference.mesh.moved(self.vertices(q))
+        except InputError:  # triangles that are none any more
+            return np.full_like(q, np.nan)
+        by_energy, by_area, by_volume = self._sums(q).gradients
+        force = by_energy + multipliers[0] * by_area + self._lambda2(multipliers) * by_volume
+        return np.asarray((force + self._mass(q) @ rate) / self.unit)
+
+    def _mass(self, q: Array) -> sparse.csc_matrix:
+        return self.reference.functional.normal_mass(self.vertices(q), self.reference.directions)[0]
+
+    def metric(self, q: Array) -> sparse.csc_matrix:
+        """``M``: mean products of normal displacements."""
+        return self._mass(q) / self.unit
+
+    def jacobian(self, q: Array, rate: Array, multipliers: Array, factor: float) -> sparse.csc_matrix:
+        """Second variation and ``factor`` times the metric, whose own change with the shape is left out.
+
+        That change is of the size of the rate, beside a factor that is the inverse of the time step: it costs Newton's
+        method a part of its order, not of its result.
+        """
+        r = self.reference
+        second, _ = r.functional.hessian(
+            self.vertices(q), r.directions, r.c0, float(multipliers[0]), self._lambda2(multipliers)
+        )
+        return ((second + factor * self._mass(q)) / self.unit).tocsc()
+
+    def columns(self, q: Array) -> Array:
+        """Gradients of what the flow keeps, as columns."""
+        return np.ascontiguousarray(self.constraint_rows(q).T)
+
+    def constraints(self, q: Array) -> Array:
+        """Area, or area and volume, by the straight tube's area."""
+        _, area, volume = self._sums(q).values / self.unit
+        return np.array([area, volume] if self.law == "area and volume" else [area])
+
+    def constraint_rows(self, q: Array) -> Array:
+        """Their derivatives."""
+        return np.asarray(self._sums(q).gradients[1 : 3 if self.law == "area and volume" else 2] / self.unit)
+
+    def _lifting(self, q: Array) -> sparse.csc_matrix:
+        """Normal displacements of the surface at its vertices, by displacements of the vertices, shape (V, V)."""
+        normals, directions = vertex_normals(self.mesh(q)), self.reference.directions
+        matrix = self.reference.functional.point_matrix
+        return sum(sparse.diags(normals[:, x]) @ matrix @ sparse.diags(directions[:, x]) for x in range(3)).tocsc()
+
+    def moved_by(self, q: Array, speed: Array) -> Array:
+        """The rate at which the surface has given normal speeds at its vertices."""
+        return np.asarray(splu(self._lifting(q)).solve(speed))
+
+    def velocity(self, q: Array, rate: Array) -> Array:
+        """Outward normal velocity of the surface at its vertices."""
+        return np.asarray(self._lifting(q) @ rate)
+
+    def places(self, q: Array) -> tuple[Array, Array]:
+        """``x`` of the vertices, and their polar angles about the axis."""
+        points = self.reference.points(q)
+        return points[:, 0], np.arctan2(points[:, 2], points[:, 1])
+
+    def resistance(self, q: Array, force: Array) -> Array:
+        """The metric's inverse on a force."""
+        return np.asarray(factorized(self.metric(q)).solve(force))
+
+    def equilibrium(self, q: Array, multipliers: Array) -> tuple[MeshFlow, Array]:
+        """This problem itself."""
+        return self, multipliers
+
+    def kernels(self, q: Array) -> Array:
+        """Forces that turn or shift the surface: products of the metric with the rigid motions that move it, (motions, V).
+
+        On a mesh a motion along the surface is all but none; the smooth part of what it moves tells.
+        """
+        r, vertices = self.reference, self.vertices(q)
+        second, _ = r.functional.hessian(vertices, r.directions, r.c0, 0.0, 0.0)
+        mass, motions = r.functional.normal_mass(vertices, r.directions)
+        return independent(motions, second, mass, r.pins)
+
+    def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
+        """Largest growth rates of all displacements of the vertices; see ``MeshProblem.modes``."""
+        rates, vectors, _ = self.reference.modes(self._unknown(q, multipliers), count)
+        return rates[:count], vectors[:, :count]
+
+    def observables(self, q: Array, multipliers: Array) -> dict[str, float]:
+        """Energy by area, multipliers, reduced volume; radii are measured from the sections' centres."""
+        energy, area, volume = self._sums(q).values
+        thin, thick = radii(self.mesh(q))
+        return {
+            "lambda1": float(multipliers[0]), "lambda2": self._lambda2(multipliers), "E": float(energy / area),
+            "area": float(area / self.unit), "volume": float(volume / self.unit),
+            "v": float(volume / (math.pi * self.length)), "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick,
+        }  # fmt: skip
+
+    def trouble(self, q: Array) -> Trouble | None:
+        """A neck as thin as its triangles are long."""
+        surface = self.mesh(q)
+        radius = distances(surface)
+        thin = int(radius.argmin())
+        longest = float(np.linalg.norm(surface.edge_vectors[surface.tail == thin], axis=1).max())
+        if radius[thin] < UNRESOLVED * longest:
+            place = f"the neck at x = {surface.vertices[thin, 0] % self.length:.3f}"
+            place += f" (vertex {thin}) is {radius[thin]:.2g} radii thin, its edges {longest:.2g} long"
+            return Trouble("pinch", place, "stop before, change the volume, or give more nodes to follow it further")
+        return None
+
+    @property
+    def wanted_resolution(self) -> float:
+        """Meshes are renewed by ``remeshed`` alone."""
+        return 1.0
+
+    def resolution(self, q: Array) -> float:
+        """Not estimated: triangles that are too large are split by ``remeshed``."""
+        return 0.0
+
+    def refined(self, q: Array) -> None:
+        """See ``remeshed``."""
+
+    def remeshed(self, q: Array) -> tuple[MeshFlow, Array] | None:
+        """The flow about the surface itself, on an adapted mesh, where the reference no longer fits; else None.
+
+        Raises:
+            InputError: no mesh of the surface is to be had.
+        """
+        found = self.reference.respread(self._unknown(q, np.zeros(2)), [])
+        if found is None:
+            return None
+        mesh, _, options = found
+        r = self.reference
+        return mesh_flow(mesh, r.c0, r.kind, self.law, self.pressure, r.functional, adapt=options), np.zeros(mesh.count)
+
+    def surface(self, q: Array, along: int = 161, around: int = 49) -> PeriodicMesh:
+        """The mesh itself; it has the points that it has."""
+        return self.mesh(q)
+
+    def to_tree(self) -> dict[str, Any]:
+        """Everything as arrays, numbers and words."""
+        tree = self.reference.to_tree()
+        return tree | {"kind": "mesh", "discretization": tree["kind"], "law": self.law, "pressure": self.pressure}
+
+    @classmethod
+    def from_tree(cls, tree: Mapping[str, Any]) -> MeshFlow:
+        """The inverse of ``to_tree``."""
+        reference = MeshProblem.from_tree({**tree, "kind": str(tree["discretization"])})
+        return cls(replace(reference, fixed=str(tree["fixed"])), str(tree["law"]), float(tree["pressure"]))  # type: ignore[arg-type]
