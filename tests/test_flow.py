@@ -273,6 +273,9 @@ class Sparse(GraphFlow):
     def jacobian(self, q, rate, lambdas, factor):
         return csc_matrix(super().jacobian(q, rate, lambdas, factor))
 
+    def metric(self, q):
+        return csc_matrix(super().metric(q))
+
 
 def test_sparse_jacobians_flow_the_same_way():
     ends = []
@@ -282,8 +285,8 @@ def test_sparse_jacobians_flow_the_same_way():
         assert result.status == "time"
         check(result)
         ends.append(result.table())
-    for name in ("E", "lambda1", "lambda2"):
-        assert ends[0][name].iloc[-1] == pytest.approx(ends[1][name].iloc[-1], rel=1e-6), name
+    for name, error in (("E", 1e-8), ("lambda1", 1e-5), ("lambda2", 1e-5)):  # multipliers are left to Newton's method
+        assert ends[0][name].iloc[-1] == pytest.approx(ends[1][name].iloc[-1], rel=error), name
     assert len(ends[1]) < 1.3 * len(ends[0])
     problem = Sparse(0.0, 10.0, 48)
     result = flow(problem, shape(problem))

@@ -245,7 +245,7 @@ class GraphFlow:
         pressure = self.observables(q, multipliers)["lambda2"]
         return replace(self, law="area and volume"), np.array([multipliers[0], pressure])
 
-    def kernels(self, q: Array) -> Array:
+    def kernels(self, q: Array, multipliers: Array) -> Array:
         """The shift along the axis."""
         return (self.d1 @ q)[None, :]
 
@@ -254,7 +254,7 @@ class GraphFlow:
         second, p = self._second(q, float(multipliers[0])), self._p(q)
         rows = self._kept(q)
         if self.law != "diffusion":
-            return growth_rates(second, np.diag(1 / p), rows, self.kernels(q), count)
+            return growth_rates(second, np.diag(1 / p), rows, self.kernels(q, multipliers), count)
         # The metric is the inverse of the mobility's operator K = D' (2y/p) D on functions of mean zero, whose kernel is the
         # constants and the highest wave, which it does not see.
         mobility = self.d1.T @ ((2 * q / p)[:, None] * self.d1)
@@ -262,7 +262,7 @@ class GraphFlow:
         blind = np.vstack((np.ones(self.points), sawtooth)) / np.sqrt(self.points)
         metric = np.linalg.inv(mobility + blind.T @ blind) - blind.T @ blind
         rows = np.vstack((rows, sawtooth))
-        return growth_rates(second, metric + blind.T @ blind, rows, self.kernels(q), count)
+        return growth_rates(second, metric + blind.T @ blind, rows, self.kernels(q, multipliers), count)
 
     def _kept(self, q: Array) -> Array:
         """Gradients of all that the flow keeps, the volume of the ``H^-1`` flow too."""

@@ -70,6 +70,9 @@ PARALLEL = 1e-14
 UNRESOLVED = 1e-5
 """Size of the finest details at which a flow ends that cannot be refined any more."""
 
+SLOW = 1e3
+"""Velocities below this many times that of a steady shape are looked at without rigid motions, which takes a while."""
+
 RESTARTS = 4
 """Failures of IDA in a row, each followed by a fresh start at low order, after which a flow is stalled."""
 
@@ -220,8 +223,19 @@ class _Run:
         trouble = problem.trouble(q)
         if trouble is not None:
             return _Ending(trouble.kind, trouble.place, trouble.advice)
+        velocity = min(velocity, self._of_the_shape(velocity))
         self.rest.saw(velocity)
         return self._remeshed() or self._resolved() or self._at_rest(velocity)
+
+    def _of_the_shape(self, velocity: float) -> float:
+        """Largest normal velocity without rigid motions: a mesh's error lets shapes creep over it long after they rest."""
+        if velocity > SLOW * self.options.velocity:
+            return velocity
+        problem, q, rate = self.state.problem, self.state.q, self.state.rate
+        motions = problem.kernels(q, self.state.multipliers)
+        moved = problem.metric(q) @ motions.T
+        rigid = np.linalg.lstsq(motions @ moved, moved.T @ rate, rcond=1e-12)[0]
+        return float(np.abs(problem.velocity(q, rate - rigid @ motions)).max())
 
     def _failed(self, message: str) -> _Ending | None:
         """After a failure the integrator starts afresh from the last accepted shape, a few times."""

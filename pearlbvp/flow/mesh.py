@@ -29,7 +29,7 @@ from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.sections import distances, radii
 from pearlbvp.mesh.spectrum import Fixed, independent
 
-UNRESOLVED = 0.6
+UNRESOLVED = 0.45
 """Radius of a neck by the length of its longest edges at which a flow ends; at 0.4 a limit surface's control mesh closes."""
 
 
@@ -148,11 +148,12 @@ class MeshFlow:
         That change is of the size of the rate, beside a factor that is the inverse of the time step: it costs Newton's
         method a part of its order, not of its result.
         """
-        r = self.reference
-        second, _ = r.functional.hessian(
-            self.vertices(q), r.directions, r.c0, float(multipliers[0]), self._lambda2(multipliers)
-        )
-        return ((second + factor * self._mass(q)) / self.unit).tocsc()
+        return ((self._second(q, multipliers) + factor * self._mass(q)) / self.unit).tocsc()
+
+    def _second(self, q: Array, multipliers: Array) -> sparse.csc_matrix:
+        """Second variation of ``F``."""
+        r, lambda1, lambda2 = self.reference, float(multipliers[0]), self._lambda2(multipliers)
+        return r.functional.hessian(self.vertices(q), r.directions, r.c0, lambda1, lambda2)[0]
 
     def columns(self, q: Array) -> Array:
         """Gradients of what the flow keeps, as columns."""
@@ -194,15 +195,15 @@ class MeshFlow:
         """This problem itself."""
         return self, multipliers
 
-    def kernels(self, q: Array) -> Array:
-        """Forces that turn or shift the surface: products of the metric with the rigid motions that move it, (motions, V).
+    def kernels(self, q: Array, multipliers: Array) -> Array:
+        """Rates of the rigid motions that move the surface along its normals.
 
-        On a mesh a motion along the surface is all but none; the smooth part of what it moves tells.
+        On a mesh a motion along the surface itself is all but none; the smooth part of what it moves tells.
         """
         r, vertices = self.reference, self.vertices(q)
-        second, _ = r.functional.hessian(vertices, r.directions, r.c0, 0.0, 0.0)
+        second = self._second(q, multipliers)
         mass, motions = r.functional.normal_mass(vertices, r.directions)
-        return independent(motions, second, mass, r.pins)
+        return np.ascontiguousarray(factorized(mass).solve(independent(motions, second, mass, r.pins).T).T)
 
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Largest growth rates of all displacements of the vertices; see ``MeshProblem.modes``."""

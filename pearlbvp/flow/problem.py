@@ -94,8 +94,8 @@ class FlowProblem(Protocol):
     def equilibrium(self, q: Array, multipliers: Array) -> tuple[Any, Array]:
         """The problem, and its multipliers, whose residual without a rate is ``-G`` itself: what Newton's method solves."""
 
-    def kernels(self, q: Array) -> Array:
-        """A row for each rigid motion that there is, its rate or the metric's product with that, shape (motions, N)."""
+    def kernels(self, q: Array, multipliers: Array) -> Array:
+        """Rates of the rigid motions that this discretization has, shape (motions, N)."""
 
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Largest growth rates at an equilibrium, rigid motions left out, and their vectors, shapes (count,), (N, count)."""

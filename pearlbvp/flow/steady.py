@@ -20,7 +20,8 @@ PINS = 16
 def polished(problem: FlowProblem, q: Array, multipliers: Array, kept: Array) -> Equilibrium:
     """The equilibrium near a shape with the same constraints, and its largest growth rates.
 
-    Rigid motions leave a family of equilibria: each gets a multiplier, which is zero at a solution, and a phase condition.
+    Rigid motions leave a family of equilibria: each gets a phase condition, and a velocity as its multiplier. That is zero at
+    a solution but on meshes, whose error lets a shape creep along or turn.
 
     Args:
         problem: the flow.
@@ -30,7 +31,7 @@ def polished(problem: FlowProblem, q: Array, multipliers: Array, kept: Array) ->
     form, start = problem.equilibrium(q, multipliers)
     size, k = len(q), len(start)
     kept = np.append(kept, form.constraints(q)[len(kept) :])  # the volume that the H^-1 flow kept by itself
-    motions = _independent(form.kernels(q), 1e-9 * float(np.linalg.norm(q)))
+    motions = _independent(form.kernels(q, start) @ form.metric(q), 1e-9 * float(np.linalg.norm(q)))
     still = np.zeros(size)
 
     def residual(u: Array) -> Array:

@@ -223,7 +223,7 @@ class TubeFlow:
         """This problem itself."""
         return self, multipliers
 
-    def kernels(self, q: Array) -> Array:
+    def kernels(self, q: Array, multipliers: Array) -> Array:
         """Shifts in ``y``, ``z`` and ``x``, and the turn about the axis."""
         matrix = self._matrix(q)
         found = np.zeros((4, *matrix.shape))
@@ -237,7 +237,7 @@ class TubeFlow:
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Growth rates of all perturbations in these modes."""
         second = self._second(self._fields(q), float(multipliers[0]), self._lambda2(multipliers))
-        return growth_rates(second, self.metric(q), self.constraint_rows(q), self.kernels(q), count)
+        return growth_rates(second, self.metric(q), self.constraint_rows(q), self.kernels(q, multipliers), count)
 
     def observables(self, q: Array, multipliers: Array) -> dict[str, float]:
         """Energy by area, multipliers, reduced volume; radii are measured from the sections' centres."""

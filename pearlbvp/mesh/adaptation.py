@@ -22,6 +22,7 @@ from scipy import sparse
 from pearlbvp.bordered import factorized
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.edits import apart, collapsed, flipped, may_collapse, split
+from pearlbvp.mesh.functional import Functional
 from pearlbvp.mesh.operators import cotangents, vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.samples import Samples
@@ -177,8 +178,11 @@ def spread_out(mesh: PeriodicMesh, samples: Samples, steps: int) -> PeriodicMesh
 
 
 def smoothed(mesh: PeriodicMesh, steps: int = 3) -> PeriodicMesh:
-    """A rough mesh, read from a file say, with its vertices spread out along the surface: as subdivision surfaces need it."""
-    return spread_out(mesh, Samples.of(mesh), steps)
+    """A rough mesh, read from a file say, with its vertices spread out along the surface: as subdivision surfaces need it.
+
+    The surface is smooth and passes near the vertices, not the limit surface of the mesh, which lies inside.
+    """
+    return spread_out(mesh, Samples.of(mesh.moved(Functional(mesh).vertices_near(mesh.vertices))), steps)
 
 
 SLIDING = 1e-3
