@@ -207,6 +207,10 @@ def _varying(branch: Branch[Any], vary: str) -> str:
     names = {"c0": "c0", "L": "length"}
     if vary not in names:
         raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L (lambda2 and v vary on every branch)")
+    if branch.points[0].point.problem.stored_as == "mesh":
+        raise InputError(
+            f"vary: a branch on a mesh keeps its {vary}; follow one from the straight tube at another value"
+        )
     if not hasattr(branch.points[0].point.problem, "released"):
         raise InputError(
             f"vary: the shape of rings does not depend on {vary}; for where it exchanges stability, see "

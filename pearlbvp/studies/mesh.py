@@ -18,6 +18,7 @@ from pearlbvp.mesh.families import Surface, carried, tube_mesh
 from pearlbvp.mesh.functional import Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
+from pearlbvp.mesh.spectrum import Fixed
 from pearlbvp.mesh.start import Form, equilibrium, onset
 from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.branch import branch_options, numbered
@@ -40,6 +41,7 @@ def mesh_branch(
     *,
     kind: Kind = "subdivision",
     adapt: AdaptOptions | None = None,
+    fixed: Fixed = "area and volume",
 ) -> Branch[MeshProblem]:
     """The branch that leaves the straight tube at a mode, on a triangulated surface, with stability.
 
@@ -52,6 +54,7 @@ def mesh_branch(
         options: where to stop and how to step, from ``studies.branch.branch_options``.
         kind: the discretization.
         adapt: when and how the mesh is adapted on the way.
+        fixed: what the perturbations keep that stability is judged by.
 
     Returns:
         The branch; its table has the columns of a branch of pearls.
@@ -61,7 +64,7 @@ def mesh_branch(
     """
     tube = Tube(c0, length)
     problem, u, direction = onset(tube, family, *mode, tube_mesh(tube.length, nodes), kind)
-    problem = replace(problem, adapt=adapt or AdaptOptions()).symmetric(u, direction)
+    problem = replace(problem, adapt=adapt or AdaptOptions(), fixed=fixed).symmetric(u, direction)
     start = start_point(problem, u, direction)
     return continue_branch(start, options or branch_options(), at_bifurcation=True)
 
