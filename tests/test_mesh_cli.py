@@ -95,11 +95,11 @@ def test_branches_on_meshes_are_switched(capsys, folder):
 @pytest.mark.parametrize(
     ("arguments", "name"),
     [
-        (["--nodes", "5"], "nodes"),
-        (["--nodes", "1000000000"], "nodes"),
+        (["--nodes", "5"], "--nodes"),
+        (["--nodes", "1000000000"], "--nodes"),
         (["--nodes", "many"], "Invalid value for '--nodes'"),
-        (["--nodes", "30", "--mode", "9,0"], "mode"),
-        (["--nodes", "100", "--length", "1000"], "nodes"),
+        (["--nodes", "30", "--mode", "9,0"], "--mode"),
+        (["--nodes", "100", "--length", "1000"], "--nodes"),
         (["--nodes", "500", "--shape", "0.1", "--volume", "1"], "--shape"),
         (["--nodes", "500", "--tolerance", "1e-8"], "--tolerance"),
         (["--nodes", "500", "--vary", "L"], "--vary"),
@@ -115,8 +115,8 @@ def test_mistakes_with_nodes_are_one_line(capsys, arguments, name):
 
 @pytest.mark.parametrize(
     ("arguments", "name"),
-    [(["--vary", "c0"], "vary"), (["--nodes", "500"], "--nodes"), (["--switch", "1", "--centre", "neck"], "--centre"),
-     (["--switch", "4"], "switch")],
+    [(["--vary", "c0"], "--vary"), (["--nodes", "500"], "--nodes"), (["--switch", "1", "--centre", "neck"], "--centre"),
+     (["--switch", "4"], "--switch")],
 )  # fmt: skip
 def test_what_a_saved_branch_on_a_mesh_does_not_have(capsys, saved, arguments, name):
     status, out, err = run(capsys, "branch", "pearl", "--resume", saved[0], *arguments)

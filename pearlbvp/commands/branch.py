@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number, Numbers, SpecialKind, Until
+from pearlbvp.commands.command import Command, of_this_command
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 
 @click.command(
+    cls=Command,
     epilog="Examples:  pearlbvp branch pearl --c0 0 --length 10 --until v=1.3 --save b.h5 --plot b.png  |  "
     "pearlbvp branch pearl --resume b.h5 --until v=1.34  |  "
     "pearlbvp branch pearl --resume b.h5 --switch 1 --centre neck --until v=1.2  |  "
@@ -38,7 +40,7 @@ if TYPE_CHECKING:
     "pearlbvp branch coil --resume c.h5 --switch 1 --plot mixed.png  |  "
     "pearlbvp branch coil --resume c.h5 --follow bp:1 --vary L  |  "
     "pearlbvp branch coil --c0 0 --length 10 --nodes 1500 --until v=0.95 --save m.h5 --plot m.png  |  "
-    "pearlbvp branch coil --resume m.h5 --until v=0.9"
+    "pearlbvp branch coil --resume m.h5 --until v=0.9",
 )
 @click.argument("family", type=click.Choice(["pearl", "ring", "coil", "buckle"]))
 @click.option("--c0", type=Number(), help="Spontaneous curvature.")
@@ -244,7 +246,7 @@ def branch(
 
     write(table, out, plot, draw)
     if not found.complete:
-        print(f"pearlbvp: the branch ends: {found.reason}", file=sys.stderr)
+        print(f"pearlbvp: the branch ends: {of_this_command(found.reason)}", file=sys.stderr)
     if found.reason == "interrupted":
         return INTERRUPTED
     return SOME_FAILED if wanted and not found.complete else DONE

@@ -11,6 +11,7 @@ import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number
 from pearlbvp.commands.branch import MODES, _given
+from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, check_distinct, check_outputs, outputs, write
 from pearlbvp.errors import InputError
 
@@ -19,10 +20,11 @@ if TYPE_CHECKING:
 
 
 @click.command(
+    cls=Command,
     epilog="Examples:  pearlbvp flow --from b.h5 --point A2 --perturb bump --delta -0.125 --out f.csv --plot f.png  |  "
     "pearlbvp flow --from b.h5 --point v=1.02 --perturb critical --delta 0.02 --keep --movie f.gif  |  "
     "pearlbvp flow --family buckle --c0 0 --length 10 --point C --perturb critical --delta 0.3 --plot c.png  |  "
-    "pearlbvp flow --resume f.h5 --time 100"
+    "pearlbvp flow --resume f.h5 --time 100",
 )
 @click.option(
     "--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of any family."
@@ -211,6 +213,7 @@ def _start(
     size: tuple[int, int], profile: Path | None, pressure: float,
 ) -> tuple[Any, Any]:  # fmt: skip
     """Problem and coordinates of the start."""
+    from pearlbvp.helfrich import finite
     from pearlbvp.studies import branch as branches
     from pearlbvp.studies.flow_start import SAMPLES, chosen, pearl_start, pearl_tube_start, profile_start, tube_start
     from pearlbvp.studies.ring import reduced
@@ -230,8 +233,11 @@ def _start(
             raise InputError(
                 "--point: without --from, give NAME=VALUE, like v=1.02, for how far the branch is followed"
             )
-        stop = {name: float(value)} if equals else dict([known])  # type: ignore[list-item]
-        options = branches.branch_options(stop)
+        stop = {name: finite("point", value)} if equals else dict([known])  # type: ignore[list-item, arg-type]
+        try:
+            options = branches.branch_options(stop)
+        except InputError as error:
+            raise InputError(str(error).replace("until:", "point:", 1)) from None
         m, n = mode or MODES[family]
         branch = (
             branches.pearl_branch(c0, length, m, options)
@@ -239,7 +245,10 @@ def _start(
             else tube_branch(c0, length, family, (m, n), options)  # type: ignore[arg-type]
         )
         if not branch.complete:
-            raise InputError(f"--point: {point} is not reached: the branch ends, as {branch.reason}")
+            raise InputError(
+                f"--point: {point} is not reached ({branch.reason}); follow the branch with pearlbvp branch --save, and give "
+                "that with --from"
+            )
         point = "-1"
     at = chosen(branch, point, family)
     if family != "pearl":

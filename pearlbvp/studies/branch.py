@@ -55,13 +55,13 @@ def branch_options(
         if name not in STOPS:
             raise InputError(f"until: a branch cannot stop at a value of {name!r}; choose one of {', '.join(STOPS)}")
     if max_points < 2:
-        raise InputError(f"max_points: {max_points} must be 2 or more")
+        raise InputError(f"max_points: {max_points} must be 2 or more; the first is the start")
     if not max_step > 1e-6:
-        raise InputError(f"max_step: {max_step:g} must be above 1e-6")
+        raise InputError(f"max_step: {max_step:g} must be above 1e-6; give one like 0.5")
     if step is None:
         step = min(0.1, max_step)
     if not 1e-6 < step <= max_step:
-        raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}")
+        raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}; give one between")
 
     path = PathOptions(step=step, max_step=max_step, max_points=max_points)
     return BranchOptions(path=path, until=wanted, limit=limit, progress=progress)
