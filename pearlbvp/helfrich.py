@@ -16,10 +16,12 @@ from pearlbvp.errors import InputError
 if TYPE_CHECKING:
     import pandas as pd
 
-# Power of the length unit in each quantity: a tube of radius r has k/r, lambda2/r^3, length r*L, ...
+# Power of the length unit in each quantity: a tube of radius r has k/r, lambda2/r^3, length r*L, ... The flow's velocity is
+# -dF, of dimension length^-3, so times scale as length^4 and growth rates as length^-4.
 LENGTH_POWER = {
     "c0": -1, "period": 1, "L": 1, "k": -1, "lambda1": -2, "lambda2": -3, "lambda2_pearl": -3, "lambda2_upper": -3,
     "E": -2, "E_least_energy": -2, "amplitude": 1, "r_min": 1, "r_max": 1,
+    "area": 2, "volume": 3, "mu_crit": -4, "mu_error": -4,
 }  # fmt: skip
 
 LARGEST_C0, SHORTEST, LONGEST = 1e4, 1e-4, 1e8

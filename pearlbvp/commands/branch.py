@@ -168,7 +168,7 @@ def branch(
     fixed_here = [name for name, _ in until if name in ("c0", "L")]
     if resume is None and fixed_here:
         raise InputError(f"--until: {fixed_here[0]} does not vary on this branch; save it, and --vary it from there")
-    given = _given(click.get_current_context())
+    given = given_options(click.get_current_context())
     if nodes is not None:
         unused = sorted(given & NOT_OF_MESHES)
         if unused:
@@ -320,7 +320,7 @@ _BRANCH_OPTIONS = {
 """Options of ``branch`` that say nothing without another."""
 
 
-def _given(context: click.Context) -> set[str]:
+def given_options(context: click.Context) -> set[str]:
     """Names of the options that stand on the command line."""
     source = click.core.ParameterSource.COMMANDLINE
     return {name for name in context.params if context.get_parameter_source(name) == source}

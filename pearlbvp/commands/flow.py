@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number
-from pearlbvp.commands.branch import MODES, _given
+from pearlbvp.commands.branch import MODES, given_options
 from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, check_distinct, check_outputs, outputs, write
 from pearlbvp.errors import InputError
@@ -83,14 +83,9 @@ def flow(
     from pearlbvp.files import writable, write_whole
     from pearlbvp.studies import saved
 
-    given, branch = _given(click.get_current_context()), None
+    given, branch = given_options(click.get_current_context()), None
     if source is not None:
-        if not source.is_file():
-            raise InputError(f"--from: there is no file {source}; give one that pearlbvp branch --save wrote")
-        try:
-            branch = saved.load(source)
-        except InputError as error:
-            raise InputError(str(error).replace("resume:", "--from:", 1)) from None
+        branch = saved.load(source, "--from")
         start["family"] = saved.family_of(branch) if "family" not in given else start["family"]
     _refuse_idle(given, start)
     out, plot = check_outputs(out, plot)
@@ -215,7 +210,8 @@ def _start(
     """Problem and coordinates of the start."""
     from pearlbvp.helfrich import finite
     from pearlbvp.studies import branch as branches
-    from pearlbvp.studies.flow_start import SAMPLES, chosen, pearl_start, pearl_tube_start, profile_start, tube_start
+    from pearlbvp.studies.flow_start import pearl_start, pearl_tube_start, profile_start, tube_start
+    from pearlbvp.studies.point import SAMPLES, chosen
     from pearlbvp.studies.ring import reduced
     from pearlbvp.studies.tube import tube_branch
 

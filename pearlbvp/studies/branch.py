@@ -181,7 +181,7 @@ def varied(
     if keep not in ("v", "lambda2"):
         raise InputError(f"keep: {keep!r} cannot be kept; choose v or lambda2")
     if not -len(branch.points) <= index < len(branch.points):
-        raise InputError(f"point: the branch has points 0 to {len(branch.points) - 1}, so there is no point {index}")
+        raise InputError(f"point: there is no point {index}; the branch has points 0 to {len(branch.points) - 1}")
     index %= len(branch.points)
     point = branch.points[index].point
     if point.observables["amplitude"] < 1e-9:
