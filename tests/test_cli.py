@@ -69,6 +69,21 @@ def test_a_radius_scales_everything(capsys):
         assert two[name] == pytest.approx(one[name] * 2.0**power, rel=1e-10)
 
 
+def test_a_radius_scales_a_branch(capsys):
+    """Growth rates with the fourth power of 1/radius, ``--until mu_crit`` in the user's unit."""
+    _, unit, _ = run(capsys, "branch", "coil", "--c0", "0", "--length", "10", "--until", "mu_crit=-0.008")
+    scaled = ["--c0", "0", "--length", "20", "--radius", "2", "--until", "mu_crit=-0.0005"]
+    status, large, err = run(capsys, "branch", "coil", *scaled)
+    assert (status, err) == (0, "")
+    one, two = pd.read_csv(io.StringIO(unit)), pd.read_csv(io.StringIO(large))
+    powers = {"lambda1": -2, "lambda2": -3, "v": 0, "E": -2, "amplitude": 1, "r_min": 1, "r_max": 1, "n_unstable": 0,
+              "mu_crit": -4, "c0": -1, "L": 1}  # fmt: skip
+    assert len(one) == len(two) > 2
+    for name, power in powers.items():
+        assert (two[name] - one[name] * 2.0**power).abs().max() < 1e-9, name
+    assert two.mu_crit.iloc[-1] == pytest.approx(-0.0005, rel=1e-9)
+
+
 def test_branch_is_saved_resumed_switched_and_varied(capsys, tmp_path):
     saved, more = str(tmp_path / "b.h5"), str(tmp_path / "c.h5")
     start = ["branch", "pearl", "--c0", "0.48", "--length", "15", "--mode", "2,0", "--until", "v=1.01", "--save", saved]
