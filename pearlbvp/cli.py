@@ -16,6 +16,7 @@ from pearlbvp.commands.branch import branch
 from pearlbvp.commands.dispersion import dispersion
 from pearlbvp.commands.flow import flow
 from pearlbvp.commands.localized import localized
+from pearlbvp.commands.mesh import mesh
 from pearlbvp.commands.output import DONE, INTERRUPTED, UNUSABLE
 from pearlbvp.commands.period import period
 from pearlbvp.commands.region import region
@@ -34,7 +35,7 @@ def cli() -> None:
     """
 
 
-for command in (dispersion, amplitude, amplitude_map, localized, period, region, branch, flow):
+for command in (dispersion, amplitude, amplitude_map, localized, period, region, branch, flow, mesh):
     cli.add_command(command)
 
 

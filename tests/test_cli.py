@@ -69,6 +69,21 @@ def test_a_radius_scales_everything(capsys):
         assert two[name] == pytest.approx(one[name] * 2.0**power, rel=1e-10)
 
 
+def test_a_radius_scales_a_branch(capsys):
+    """Growth rates with the fourth power of 1/radius, ``--until mu_crit`` in the user's unit."""
+    _, unit, _ = run(capsys, "branch", "coil", "--c0", "0", "--length", "10", "--until", "mu_crit=-0.008")
+    scaled = ["--c0", "0", "--length", "20", "--radius", "2", "--until", "mu_crit=-0.0005"]
+    status, large, err = run(capsys, "branch", "coil", *scaled)
+    assert (status, err) == (0, "")
+    one, two = pd.read_csv(io.StringIO(unit)), pd.read_csv(io.StringIO(large))
+    powers = {"lambda1": -2, "lambda2": -3, "v": 0, "E": -2, "amplitude": 1, "r_min": 1, "r_max": 1, "n_unstable": 0,
+              "mu_crit": -4, "c0": -1, "L": 1}  # fmt: skip
+    assert len(one) == len(two) > 2
+    for name, power in powers.items():
+        assert (two[name] - one[name] * 2.0**power).abs().max() < 1e-9, name
+    assert two.mu_crit.iloc[-1] == pytest.approx(-0.0005, rel=1e-9)
+
+
 def test_branch_is_saved_resumed_switched_and_varied(capsys, tmp_path):
     saved, more = str(tmp_path / "b.h5"), str(tmp_path / "c.h5")
     start = ["branch", "pearl", "--c0", "0.48", "--length", "15", "--mode", "2,0", "--until", "v=1.01", "--save", saved]
@@ -140,7 +155,8 @@ def test_a_branch_that_does_not_get_there_says_so(capsys):
         capsys, "branch", "pearl", "--c0", "0", "--length", "10", "--max-points", "4", "--until", "v=2"
     )
     assert status == 1
-    assert "max_points" in err
+    assert "--max-points" in err
+    assert "max_points" not in err
     assert out.count("\n") == 5
 
 
@@ -149,54 +165,64 @@ GOOD = {
     "dispersion": {"--c0": "0.48", "--length": "30"},
     "localized": {"--c0": "0.48", "--period": "7.5", "--lengths": "15"},
     "period": {"--c0": "0.48", "--lengths": "15"},
+    "region": {"--c0": "0.48", "--periods": "7.5"},
+    "amplitude": {"--c0": "0", "--length": "10", "--mode": "1,0"},
 }
 
 
 @pytest.mark.parametrize(
     ("command", "change", "named"),
     [
-        ("dispersion", {"--length": "0"}, "length"),
-        ("dispersion", {"--length": "-3"}, "length"),
+        ("dispersion", {"--length": "0"}, "--length"),
+        ("dispersion", {"--length": "-3"}, "--length"),
         ("dispersion", {"--length": "nan"}, "--length"),
         ("dispersion", {"--c0": "inf"}, "--c0"),
         ("dispersion", {"--c0": "high"}, "--c0"),
-        ("dispersion", {"--max-m": "-1"}, "max_m"),
-        ("dispersion", {"--radius": "0"}, "radius"),
+        ("dispersion", {"--max-m": "-1"}, "--max-m"),
+        ("dispersion", {"--radius": "0"}, "--radius"),
         ("localized", {"--lengths": ""}, "--lengths"),
         ("localized", {"--lengths": "15,x"}, "--lengths"),
-        ("localized", {"--lengths": "16"}, "lengths"),
-        ("localized", {"--period": "6.28"}, "period"),
+        ("localized", {"--lengths": "16"}, "--lengths"),
+        ("localized", {"--period": "6.28"}, "--period"),
         ("localized", {"--period": "seven"}, "--period"),
         ("localized", {"--out": "no/such/folder/t.csv"}, "--out"),
         ("localized", {"--plot": "no/such/folder/t.png"}, "--plot"),
-        ("localized", {"--compare": "nothing.csv"}, "compare"),
+        ("localized", {"--compare": "nothing.csv"}, "--compare"),
         ("localized", {"--period": "0"}, "--period"),
         ("localized", {"--out": "same", "--plot": "same"}, "--plot"),
-        ("dispersion", {"--length": "1e200"}, "length"),
+        ("dispersion", {"--length": "1e200"}, "--length"),
         ("branch", {"--mode": "1,1"}, "--mode"),
         ("branch", {"--mode": "one"}, "--mode"),
-        ("branch", {"--mode": "0,0"}, "mode"),
+        ("branch", {"--mode": "0,0"}, "--mode"),
         ("branch", {"--until": "v"}, "--until"),
-        ("branch", {"--until": "w=1"}, "until"),
+        ("branch", {"--until": "w=1"}, "--until"),
         ("branch", {"--until": "v=nan"}, "--until"),
         ("branch", {"--until": "c0=0.5"}, "--until"),
-        ("branch", {"--length": "6.283185307179586"}, "mode"),
+        ("branch", {"--length": "6.283185307179586"}, "--mode"),
         ("branch", {"--switch": "1"}, "--switch"),
         ("branch", {"--resume": "nothing.h5"}, "--resume"),
         ("branch", {"--save": "no/such/b.h5"}, "--save"),
-        ("branch", {"--step": "0"}, "step"),
+        ("branch", {"--step": "0"}, "--step"),
+        ("branch", {"--max-step": "0"}, "--max-step"),
+        ("branch", {"--step": "0.2", "--max-step": "0.1"}, "--max-step = 0.1"),
+        ("region", {"--periods": "0"}, "--periods"),
+        ("region", {"--pearls": "1"}, "--pearls"),
+        ("period", {"--volume": "1"}, "--volume"),
+        ("amplitude", {"--mode": "0,1"}, "--mode"),
+        ("amplitude", {"--plot": "a.png", "--largest": "-1"}, "--largest"),
         ("branch", {"--cells": "2"}, "--cells"),
         ("branch", {"--keep": "v"}, "--keep"),
         ("branch", {"--centre": "neck"}, "--centre"),
-        ("branch", {"--length": "1e6"}, "length"),
+        ("branch", {"--length": "1e6"}, "--length"),
         ("branch", {"--shape": "0.1"}, "--shape"),
-        ("branch", {"--tolerance": "1"}, "tolerance"),
+        ("branch", {"--tolerance": "1"}, "--tolerance"),
         ("period", {"--lengths": "nan"}, "--lengths"),
-        ("period", {"--lengths": "0"}, "length"),
+        ("period", {"--lengths": "0"}, "--lengths"),
         ("period", {"--processes": "0"}, "--processes"),
     ],
 )
-def test_mistakes_are_one_line_that_names_the_argument(capsys, command, change, named):
+def test_mistakes_are_one_line_that_names_the_argument(capsys, monkeypatch, tmp_path, command, change, named):
+    monkeypatch.chdir(tmp_path)  # some name files
     options = GOOD[command] | change
     status, out, err = run(capsys, command, *(word for pair in options.items() for word in pair))
     assert (status, out) == (2, "")
@@ -380,11 +406,11 @@ def test_tubes_are_saved_resumed_and_switched(capsys, tmp_path):
         ("pearl", ("--resume", "SAVED"), "--resume"),
         ("ring", ("--resume", "SAVED", "--vary", "L"), "studies.ring_onsets"),
         ("ring", ("--resume", "SAVED", "--switch", "1", "--centre", "neck"), "--centre"),
-        ("ring", ("--resume", "SAVED", "--switch", "7"), "switch"),
+        ("ring", ("--resume", "SAVED", "--switch", "7"), "--switch"),
         ("coil", ("--c0", "0", "--length", "10", "--tolerance", "1e-8"), "--tolerance"),
         ("ring", ("--c0", "0", "--length", "10", "--mode", "1,2"), "--mode"),
         ("coil", ("--c0", "0", "--length", "10", "--mode", "1,0"), "--mode"),
-        ("coil", ("--c0", "0", "--length", "0"), "length"),
+        ("coil", ("--c0", "0", "--length", "0"), "--length"),
         ("buckle", ("--c0", "nan", "--length", "10"), "--c0"),
     ],
 )

@@ -8,6 +8,7 @@ import pytest
 
 from pearlbvp.cli import main
 from pearlbvp.studies.branch import branch_options, pearl_branch, switched
+from pearlbvp.studies.mesh import mesh_branch
 from pearlbvp.studies.saved import save
 from pearlbvp.studies.tube import tube_branch
 
@@ -105,13 +106,17 @@ def test_a_profile_from_a_table(capsys, folder):
     [
         (["--from", "none.h5"], "--from"),
         (["--from", "{b}", "--c0", "0"], "--c0"),
-        (["--from", "{b}", "--point", "A2"], "point"),
+        (["--from", "{b}", "--point", "A2"], "--point"),
         (["--from", "{b}", "--point", "0"], "shape"),  # the straight tube
-        (["--from", "{b}", "--delta", "3"], "delta"),
+        (["--from", "{b}", "--delta", "3"], "--delta"),
         (["--from", "{b}", "--out", "{b}"], "--out"),
         (["--from", "{b}", "--save", "{b}"], "--save"),
-        (["--from", "{b}", "--velocity", "0"], "velocity"),
-        (["--resume", "{b}"], "resume"),
+        (["--from", "{b}", "--velocity", "0"], "--velocity"),
+        (["--from", "{b}", "--time", "0"], "--time"),
+        (["--from", "{b}", "--max-seconds", "-1"], "--max-seconds"),
+        (["--c0", "0", "--length", "10", "--point", "w=1"], "--point"),
+        (["--c0", "0", "--length", "10", "--point", "v=much"], "--point"),
+        (["--resume", "{b}"], "--resume"),
         (["--c0", "0"], "--c0, --length"),
         (["--resume", "{b}", "--delta", "0.1"], "--delta"),
         (["--from", "{b}", "--size", "4,4"], "--size"),
@@ -122,10 +127,10 @@ def test_a_profile_from_a_table(capsys, folder):
         (["--from", "{b}", "--resume", "{b}"], "--from"),
         (["--profile", "{b}"], "--profile"),
         (["--profile", "{b}", "--c0", "0", "--length", "10"], "--profile"),
-        (["--profile", "{bad}", "--c0", "0", "--length", "10"], "profile"),
+        (["--profile", "{bad}", "--c0", "0", "--length", "10"], "--profile"),
         (["--c0", "0", "--length", "10"], "--point"),
-        (["--family", "buckle", "--c0", "0", "--length", "10", "--point", "v=0.97", "--size", "2,2"], "size"),
-        (["--family", "coil", "--c0", "0", "--length", "10", "--point", "v=0.97", "--law", "diffusion"], "law"),
+        (["--family", "buckle", "--c0", "0", "--length", "10", "--point", "v=0.97", "--size", "2,2"], "--size"),
+        (["--family", "coil", "--c0", "0", "--length", "10", "--point", "v=0.97", "--law", "diffusion"], "--law"),
     ],
 )
 def test_mistakes_are_one_line(capsys, folder, arguments, name):
@@ -149,3 +154,69 @@ def test_a_saved_coil_flows_back(capsys, tmp_path):
     assert table.t.iloc[-1] == pytest.approx(5.0)
     assert (table.E.diff().dropna() <= 1e-12).all()
     assert table.E.iloc[-1] == pytest.approx(branch.points[-1].observables["E"], rel=1e-4)
+
+
+def rows_of(capsys, *arguments):
+    status, out, err = run(capsys, "flow", *map(str, arguments))
+    assert status == 0, err
+    return pd.read_csv(io.StringIO(out)), err
+
+
+POWERS = {"lambda1": -2, "lambda2": -3, "E": -2, "v": 0, "area_error": 0, "amplitude": 1, "r_min": 1, "r_max": 1}
+
+
+def test_a_radius_scales_a_flow(capsys, folder):
+    """Everything that is given in the user's unit, at radius 2, against the flow at radius 1, step by step."""
+    start = ["--from", folder / "b.h5", "--law", "area and volume"]
+    one, _ = rows_of(capsys, *start, "--point", "lambda2=-0.5", "--delta", 0.03, "--xi", 2, "--centre", 1, "--time", 40,
+                     "--velocity", 1e-5)  # fmt: skip
+    two, _ = rows_of(capsys, *start, "--point", f"lambda2={-0.5 / 8}", "--delta", 0.06, "--xi", 0.5, "--centre", 2,
+                     "--time", 640, "--velocity", 1e-5 / 8, "--radius", 2)  # fmt: skip
+    assert len(one) == len(two) > 20
+    for name, power in (POWERS | {"t": 4, "velocity": -3}).items():
+        np.testing.assert_allclose(two[name], one[name] * 2.0**power, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize(("law", "time"), [("area and volume", 4), ("diffusion", 6)])
+def test_powers_of_length_are_those_of_a_flow_on_a_tube_twice_as_thick(capsys, tmp_path, law, time):
+    """A profile of radius 2 flows by itself, all numbers about 2 and 20; with --radius 2 it is one of radius 1 inside.
+
+    The two runs share no scaling. They agree to the tolerance of their steps, at a time and at its rates.
+    """
+    x = np.linspace(-10, 10, 161)
+    path = tmp_path / "p.csv"
+    pd.DataFrame({"x": x, "r": 2 + 0.4 * np.cos(0.1 * np.pi * x) + 0.05 * np.cos(0.3 * np.pi * x)}).to_csv(
+        path, index=False
+    )
+    common = ["--profile", path, "--c0", 0.1, "--length", 20, "--law", law, "--time", 2.0**time]
+    plain, _ = rows_of(capsys, *common)
+    inside, _ = rows_of(capsys, *common, "--radius", 2)
+    assert inside["t"].iloc[-1] == plain["t"].iloc[-1] == 2.0**time
+    assert plain["E"].iloc[-1] < 0.99 * plain["E"].iloc[0]
+    assert plain["velocity"].iloc[-1] < 0.01 * plain["velocity"].iloc[0]
+    for row, tolerance in ((0, 1e-9), (-1, 1e-3)):
+        for name in ("E", "lambda1", "lambda2", "velocity", "amplitude", "r_min", "r_max"):
+            assert inside[name].iloc[row] == pytest.approx(plain[name].iloc[row], rel=tolerance), (name, row)
+        assert inside["v"].iloc[row] == pytest.approx(plain["v"].iloc[row] / 4, rel=tolerance)  # by its own radius
+
+
+def test_a_saved_flow_is_resumed_at_a_radius(capsys, folder, tmp_path):
+    """Times count from where it was, in the user's unit; an earlier one is refused, and said in that unit."""
+    path = tmp_path / "f.h5"
+    start = ["--from", folder / "b.h5", "--perturb", "critical", "--delta", 0.02, "--radius", 2, "--time", 16]
+    first, err = rows_of(capsys, *start, "--save", path, "--movie", tmp_path / "f.gif", "--plot", tmp_path / "f.png")
+    assert first["t"].iloc[-1] == 16
+    assert "in units of the radius" in err
+    second, _ = rows_of(capsys, "--resume", path, "--radius", 2, "--time", 32)
+    assert second["t"].iloc[-1] == 32
+    pd.testing.assert_frame_equal(second.iloc[: len(first)], first)
+    status, _, err = run(capsys, "flow", "--resume", str(path), "--radius", "2", "--time", "8")
+    assert status == 2
+    assert "t = 16 already" in err
+
+
+def test_flows_do_not_start_from_meshes(capsys, tmp_path):
+    save(mesh_branch(0.0, 10.0, "coil", (1, 1), 200, branch_options(max_points=2)), tmp_path / "m.h5")
+    status, out, err = run(capsys, "flow", "--from", str(tmp_path / "m.h5"))
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith("pearlbvp: --from: ")

@@ -6,7 +6,7 @@ import pytest
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, cylinder_energy, cylinder_lambda1, in_units_of_radius
-from pearlbvp.theory.dispersion import critical_lambda2
+from pearlbvp.theory.dispersion import critical_lambda2, growth_rate
 
 
 def test_cylinder_makes_the_energy_stationary():
@@ -38,6 +38,18 @@ def test_in_units_of_radius_follows_the_paper_s_dispersion_at_any_radius():
     assert mu == pytest.approx(0, abs=1e-15)
     assert scaled["k"].iloc[0] == pytest.approx(k)
     assert scaled["v"].iloc[0] == 1.2
+
+
+def test_growth_rates_at_any_radius_are_the_paper_s():
+    # the same equation away from its zero
+    r, c0, k, lambda2 = 2.0, 0.2, 0.35, 0.3
+    at_one = pd.DataFrame({"mu_crit": [float(growth_rate(k * r, 0, lambda2 * r**3, c0 * r))], "mu_error": [16.0]})
+    scaled = in_units_of_radius(at_one, r)
+    q = k**2
+    mu = -(q**2) / 2 + (r * lambda2 + r**-2) * q - (lambda2 / r + 0.5 * r**-4) - (1 / r - 2 * c0) * k**2 / r
+    assert abs(mu) > 0.01
+    assert scaled["mu_crit"].iloc[0] == pytest.approx(mu, rel=1e-12)
+    assert scaled["mu_error"].iloc[0] == 1
 
 
 @pytest.mark.parametrize("length", [0, -1, float("nan"), float("inf"), "ten", None])

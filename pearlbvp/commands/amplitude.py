@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number, Numbers
+from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import check_distinct, check_outputs, outputs, write, write_table
 from pearlbvp.errors import InputError
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@click.command(epilog="Example:  pearlbvp amplitude --c0 0 --length 10 --mode 1,1 --plot a.png")
+@click.command(cls=Command, epilog="Example:  pearlbvp amplitude --c0 0 --length 10 --mode 1,1 --plot a.png")
 @click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
 @click.option("--length", type=Number(), required=True, metavar="L", help="Axial period of the tube.")
 @click.option("--mode", "modes", type=ModeNumbers(), required=True, multiple=True,
@@ -88,7 +89,9 @@ def amplitude(
 
 
 @click.command(
-    "amplitude-map", epilog="Example:  pearlbvp amplitude-map --c0=-1:0.48:0.02 --lengths 6.5:40:0.5 --plot m.png"
+    "amplitude-map",
+    cls=Command,
+    epilog="Example:  pearlbvp amplitude-map --c0=-1:0.48:0.02 --lengths 6.5:40:0.5 --plot m.png",
 )
 @click.option("--c0", type=Numbers(), required=True, help="Spontaneous curvatures.")
 @click.option("--lengths", type=Numbers(), required=True, help="Tube lengths.")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number, Numbers, SpecialKind, Until
+from pearlbvp.commands.command import Command, of_this_command
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -30,13 +31,16 @@ if TYPE_CHECKING:
 
 
 @click.command(
+    cls=Command,
     epilog="Examples:  pearlbvp branch pearl --c0 0 --length 10 --until v=1.3 --save b.h5 --plot b.png  |  "
     "pearlbvp branch pearl --resume b.h5 --until v=1.34  |  "
     "pearlbvp branch pearl --resume b.h5 --switch 1 --centre neck --until v=1.2  |  "
     "pearlbvp branch pearl --c0 0.75 --length 10 --shape=-0.3,0.5 --volume 1.0 --until v=1.1  |  "
     "pearlbvp branch coil --c0 0.48 --length 10 --until v=0.85 --save c.h5  |  "
     "pearlbvp branch coil --resume c.h5 --switch 1 --plot mixed.png  |  "
-    "pearlbvp branch coil --resume c.h5 --follow bp:1 --vary L"
+    "pearlbvp branch coil --resume c.h5 --follow bp:1 --vary L  |  "
+    "pearlbvp branch coil --c0 0 --length 10 --nodes 1500 --until v=0.95 --save m.h5 --plot m.png  |  "
+    "pearlbvp branch coil --resume m.h5 --until v=0.9",
 )
 @click.argument("family", type=click.Choice(["pearl", "ring", "coil", "buckle"]))
 @click.option("--c0", type=Number(), help="Spontaneous curvature.")
@@ -66,6 +70,19 @@ if TYPE_CHECKING:
 )
 @click.option("--step", type=Number(), help="First step along the branch.  [default: 0.1, or the largest]")
 @click.option("--max-step", type=Number(), default=0.5, show_default=True, help="Largest step along the branch.")
+@click.option(
+    "--nodes",
+    type=int,
+    metavar="N",
+    help="Follow the branch on a triangulated tube of about N vertices.  [default: profiles or reduced modes]",
+)
+@click.option(
+    "--discretization",
+    type=click.Choice(["subdivision", "cotangent"]),
+    default="subdivision",
+    show_default=True,
+    help="With --nodes: the surface is the limit of Loop's subdivision, or the polyhedron.",
+)
 @click.option("--tolerance", type=Number(), help="Error of the profile.  [default: 1e-9 for pearls, 1e-10 for rings]")
 @click.option("--pressure", is_flag=True, help="Stability at fixed area and given pressure, not fixed volume.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the whole branch.")
@@ -104,6 +121,8 @@ def branch(
     max_points: int,
     step: float | None,
     max_step: float,
+    nodes: int | None,
+    discretization: str,
     tolerance: float | None,
     pressure: bool,
     save: Path | None,
@@ -129,6 +148,10 @@ def branch(
 
     Rings end where they touch themselves; coils, buckles and what branches off from them where a section is no longer
     star-shaped. Branches that --switch leads to from a ring, coil or buckle are resumed under that name, too.
+
+    With --nodes the surface is a mesh, which needs no sections: 500 nodes give two to three digits, 3000 four (of
+    subdivision surfaces; a second a point at 500, five at 3000). The mesh is adapted on the way; mu_error is empty. A branch
+    on a mesh is resumed and switched under any family's name.
     """
     from pearlbvp.files import writable
     from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius
@@ -145,6 +168,11 @@ def branch(
     fixed_here = [name for name, _ in until if name in ("c0", "L")]
     if resume is None and fixed_here:
         raise InputError(f"--until: {fixed_here[0]} does not vary on this branch; save it, and --vary it from there")
+    given = given_options(click.get_current_context())
+    if nodes is not None:
+        unused = sorted(given & NOT_OF_MESHES)
+        if unused:
+            raise InputError(f"--{unused[0]}: it does not go with a mesh; leave it or --nodes out")
     if (switch is not None or vary is not None) and resume is None:
         raise InputError("--switch, --vary: they need --resume, the saved branch that they start from")
     if follow is not None and save is not None:
@@ -153,12 +181,11 @@ def branch(
         raise InputError("--switch, --vary: choose one of them")
     if (shape is None) != (volume is None) or (shape is not None and resume is not None):
         raise InputError("--shape, --volume: give both, with --c0 and --length and without --resume")
-    given = _given(click.get_current_context())
     for needed, options_of_it in _BRANCH_OPTIONS.items():
         unused = sorted(given & options_of_it)
         if needed not in given and unused:
             raise InputError(f"--{unused[0]}: it goes with --{needed}; give that too, or leave it out")
-    unused = sorted(given & {"mode", "tolerance", "pressure"})
+    unused = sorted(given & {"mode", "tolerance", "pressure", "nodes"})
     if resume is not None and unused:
         raise InputError(f"--{unused[0]}: the saved branch has its own; leave it out")
     mode = mode or MODES[family]
@@ -175,7 +202,7 @@ def branch(
 
     known = None if resume is None else saved.load(resume)
     if known is not None:
-        _check_kind(family, saved.kind_of(known))
+        _check_kind(family, saved.kind_of(known), given)
     wanted = {name: value / radius ** LENGTH_POWER.get(name, 0) for name, value in until}
     with tqdm(unit="point", disable=None) as bar:
         checkpoint = _Checkpoint(save)
@@ -196,6 +223,8 @@ def branch(
                 found = study.shape_branch(
                     tube.c0, tube.length, volume or 0, scaled, options, cells=cells, fixed=fixed, **accuracy
                 )
+            elif nodes is not None:
+                found = _on_a_mesh(family, tube, mode, options, nodes, kind=discretization, fixed=fixed)
             else:
                 found = _from_the_cylinder(family, tube, mode, options, fixed, accuracy)
         elif vary is not None and follow is not None:
@@ -217,7 +246,7 @@ def branch(
 
     write(table, out, plot, draw)
     if not found.complete:
-        print(f"pearlbvp: the branch ends: {found.reason}", file=sys.stderr)
+        print(f"pearlbvp: the branch ends: {of_this_command(found.reason)}", file=sys.stderr)
     if found.reason == "interrupted":
         return INTERRUPTED
     return SOME_FAILED if wanted and not found.complete else DONE
@@ -228,6 +257,16 @@ MODES = {"pearl": (1, 0), "ring": (0, 2), "coil": (1, 1), "buckle": (1, 1)}
 
 PEARLS_ONLY = {"shape", "volume", "centre"}
 """Options that rings, coils and buckles do not have."""
+
+NOT_OF_MESHES = {"shape", "volume", "cells", "vary", "tolerance"}
+"""Options that branches on meshes do not have."""
+
+
+def _on_a_mesh(family: Any, tube: Tube, mode: tuple[int, int], options: Any, nodes: int, **how: Any) -> Any:
+    """The branch of a family that leaves the straight tube at a mode, on a triangulated tube."""
+    from pearlbvp.studies.mesh import mesh_branch
+
+    return mesh_branch(tube.c0, tube.length, family, mode, nodes, options, **how)
 
 
 def _from_the_cylinder(
@@ -256,12 +295,16 @@ def _from_the_cylinder(
         raise InputError(str(error).replace("family:", "--mode:", 1)) from None
 
 
-def _check_kind(family: str, kind: str) -> None:
-    """Refuse a saved branch of another family.
+def _check_kind(family: str, kind: str, given: set[str]) -> None:
+    """Refuse a saved branch of another family, or an option that it does not have. Meshes know of no family: each will do.
 
     Raises:
-        InputError: the family, and what to give instead.
+        InputError: the family or option, and what to give instead.
     """
+    if kind == "mesh":
+        if "centre" in given:
+            raise InputError("--centre: new shapes on a mesh are centred on the middle of the period; leave it out")
+        return
     if (family == "pearl") != (kind == "pearl"):
         raise InputError(
             f"--resume: the saved branch is one of {kind}s, not of {family}s; say so, or give another file"
@@ -272,11 +315,12 @@ _BRANCH_OPTIONS = {
     "vary": {"keep", "point", "down", "follow"},
     "switch": {"centre", "shrink"},
     "shape": {"cells"},
+    "nodes": {"discretization"},
 }
 """Options of ``branch`` that say nothing without another."""
 
 
-def _given(context: click.Context) -> set[str]:
+def given_options(context: click.Context) -> set[str]:
     """Names of the options that stand on the command line."""
     source = click.core.ParameterSource.COMMANDLINE
     return {name for name in context.params if context.get_parameter_source(name) == source}

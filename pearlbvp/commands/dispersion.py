@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from pearlbvp.commands.arguments import Number
+from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import check_outputs, outputs, radius_option, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@click.command(epilog="Example:  pearlbvp dispersion --c0 0.48 --length 30")
+@click.command(cls=Command, epilog="Example:  pearlbvp dispersion --c0 0.48 --length 30")
 @click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
 @click.option("--length", type=Number(), required=True, metavar="L", help="Axial period of the tube.")
 @click.option("--max-m", type=int, help="Most waves along the tube.  [default: all pearls with k < 1 and two more]")

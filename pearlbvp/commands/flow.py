@@ -10,8 +10,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number
-from pearlbvp.commands.branch import MODES, _given
-from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, check_distinct, check_outputs, outputs, write
+from pearlbvp.commands.branch import MODES, given_options
+from pearlbvp.commands.command import Command
+from pearlbvp.commands.output import (
+    DONE,
+    INTERRUPTED,
+    SOME_FAILED,
+    check_distinct,
+    check_outputs,
+    outputs,
+    radius_option,
+    write,
+)
 from pearlbvp.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,10 +29,12 @@ if TYPE_CHECKING:
 
 
 @click.command(
+    cls=Command,
     epilog="Examples:  pearlbvp flow --from b.h5 --point A2 --perturb bump --delta -0.125 --out f.csv --plot f.png  |  "
     "pearlbvp flow --from b.h5 --point v=1.02 --perturb critical --delta 0.02 --keep --movie f.gif  |  "
     "pearlbvp flow --family buckle --c0 0 --length 10 --point C --perturb critical --delta 0.3 --plot c.png  |  "
-    "pearlbvp flow --resume f.h5 --time 100"
+    "pearlbvp flow --resume f.h5 --time 100  |  "
+    "pearlbvp flow --c0 0 --length 0.5 --radius 0.05 --point v=1.1 --delta=-0.005 --out f.csv",
 )
 @click.option(
     "--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of any family."
@@ -41,8 +53,8 @@ if TYPE_CHECKING:
               help="The start: a point's number, a column's value, or a name of the paper.")  # fmt: skip
 @click.option("--perturb", type=click.Choice(["bump", "critical", "none"]), default="bump", show_default=True,
               help="A bump, or the most unstable vector.")  # fmt: skip
-@click.option("--delta", type=Number(), default=-0.125, show_default=True, help="Size of the perturbation, in radii.")
-@click.option("--xi", type=Number(), default=1.0, show_default=True, help="The bump is 1/(1 + xi x^2).")
+@click.option("--delta", type=Number(), default=-0.125, show_default="-0.125 R", help="Size of the perturbation.")
+@click.option("--xi", type=Number(), default=1.0, show_default="1/R^2", help="The bump is 1/(1 + xi x^2).")
 @click.option("--centre", type=Number(), default=0.0, show_default=True, help="Axial position of the bump.")
 @click.option("--keep", is_flag=True, help="Move the perturbed shape back to the area and volume it had.")
 @click.option("--law", type=click.Choice(["area and volume", "area", "diffusion"]), default="area and volume",
@@ -54,13 +66,14 @@ if TYPE_CHECKING:
 )
 @click.option("--time", "until", type=Number(), help="Stop at that time.")
 @click.option(
-    "--velocity", type=Number(), default=1e-6, show_default=True, help="A stable shape slower than this rests."
+    "--velocity", type=Number(), default=1e-6, show_default="1e-6 / R^3", help="A stable shape slower than this rests."
 )
 @click.option("--max-seconds", type=Number(), default=600.0, show_default=True, help="Give up after so long.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the flow, also on the way.")
 @click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved flow.")
 @click.option("--movie", type=click.Path(path_type=Path), metavar="FILE.gif", help="Write a movie.")
 @outputs
+@radius_option
 def flow(
     source: Path | None,
     resume: Path | None,
@@ -71,26 +84,32 @@ def flow(
     until: float | None,
     velocity: float,
     max_seconds: float,
+    radius: float,
     **start: Any,
 ) -> int:
     """Let a perturbed shape of a branch flow at fixed area and volume, until it rests on a stable shape.
 
     Columns: t, E, lambda1, lambda2, area_error, volume_error (relative), velocity (the largest along the normal),
     v, amplitude, r_min, r_max; a row for every accepted step. How the flow ends goes to standard error.
+
+    With --radius all that is given and written is in its unit: the velocity is -dF, of dimension 1/length^3, so times have
+    that of length^4 (by --law diffusion of length^6). Saved flows are in radii: give --radius again to resume one.
     """
     from pearlbvp.files import writable, write_whole
+    from pearlbvp.helfrich import in_units_of_radius, positive
     from pearlbvp.studies import saved
 
-    given, branch = _given(click.get_current_context()), None
+    radius, velocity = positive("radius", radius), positive("velocity", velocity)
+    given, branch = given_options(click.get_current_context()), None
     if source is not None:
-        if not source.is_file():
-            raise InputError(f"--from: there is no file {source}; give one that pearlbvp branch --save wrote")
-        try:
-            branch = saved.load(source)
-        except InputError as error:
-            raise InputError(str(error).replace("resume:", "--from:", 1)) from None
+        branch = saved.load(source, "--from")
+        if saved.kind_of(branch) == "mesh":
+            raise InputError(
+                "--from: flows do not start from meshes; give the same branch as pearls, rings, coils or buckles"
+            )
         start["family"] = saved.family_of(branch) if "family" not in given else start["family"]
     _refuse_idle(given, start)
+    _in_radii(given, start, radius)
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
     movie = None if movie is None else writable("--movie", movie)
@@ -104,54 +123,54 @@ def flow(
 
     from pearlbvp.flow.driver import FlowOptions, resumed
     from pearlbvp.flow.driver import start as beginning
-    from pearlbvp.flow.record import COLUMNS
+    from pearlbvp.flow.record import COLUMNS, length_powers
     from pearlbvp.studies import flow as study
 
     with tqdm(unit="step", disable=None) as bar:
 
         def checkpoint(state: Any) -> None:
-            bar.set_postfix(t=f"{state.t:.5g}", refresh=False)
+            bar.set_postfix(t=f"{state.t * unit:.5g}", refresh=False)
             bar.update(len(state.record.rows["t"]) - bar.n)
             if save is not None:
                 study.save(state, save)
 
+        state = beginning(*_start(branch, **start)) if resume is None else study.load(resume)
+        powers = length_powers(state.problem.law)
+        unit = radius ** powers["t"]
         settings: dict[str, Any] = {
-            "velocity": velocity,
+            "velocity": velocity / radius ** powers["velocity"] if "velocity" in given else velocity,
             "max_seconds": max_seconds,
             "checkpoint": checkpoint,
             "every": 2.0,
         }
         if until is not None:
-            settings["until"] = until
-        if resume is not None:
-            state = study.load(resume)
-            if until is not None and until <= state.t:
-                raise InputError(f"--time: the saved flow is at t = {state.t:g} already; give a later time")
-        else:
-            state = beginning(*_start(branch, **start))
+            settings["until"] = positive("until", until) / unit
+            if settings["until"] <= state.t:
+                raise InputError(f"--time: the saved flow is at t = {state.t * unit:g} already; give a later time")
         result = resumed(state, FlowOptions(**settings))
     if save is not None:
         study.save(result.state, save)
     if movie is not None:
         from pearlbvp.figures.flow import write_movie
 
-        write_whole("--movie", movie, lambda path: write_movie(result.state, path))
-    table = result.table()[list(COLUMNS)]
+        write_whole("--movie", movie, lambda path: write_movie(result.state, path, unit=unit))
+    table = in_units_of_radius(result.table()[list(COLUMNS)], radius, **powers)
 
     def draw() -> Figure:
-        from pearlbvp.figures.flow import draw_result
+        from pearlbvp.figures.flow import draw_flow
 
-        return draw_result(result)
+        return draw_flow(result.state, table, unit=unit)
 
     write(table, out, plot, draw)
     advice = f"; {result.advice}" if result.advice else ""
-    print(f"pearlbvp: {result.status}: {result.reason}{advice}", file=sys.stderr)
+    where = "" if radius == 1 else " (this line is in units of the radius)"
+    print(f"pearlbvp: {result.status}: {result.reason}{advice}{where}", file=sys.stderr)
     if (
         result.equilibrium is not None
         and result.equilibrium.converged
         and result.equilibrium.problem.to_tree()["kind"] == "graph"
     ):
-        _say_stability(study, result.equilibrium)
+        _say_stability(study, result.equilibrium, radius)
     if result.status == "interrupted":
         return INTERRUPTED
     return DONE if result.complete else SOME_FAILED
@@ -195,24 +214,39 @@ def _refuse_idle(given: set[str], start: dict[str, Any]) -> None:
             raise InputError(f"--{found[0].replace('source', 'from')}: {why}")
 
 
-def _say_stability(study: Any, end: Any) -> None:
+def _in_radii(given: set[str], start: dict[str, Any], radius: float) -> None:
+    """Turn lengths and their powers in the options of a start into those of a tube of radius 1; defaults are in radii."""
+    from pearlbvp.helfrich import LENGTH_POWER
+    from pearlbvp.studies.point import in_radii
+
+    powers = {"c0": -1, "length": 1, "delta": 1, "centre": 1, "xi": -2, "pressure": LENGTH_POWER["lambda2"]}
+    for name in given & powers.keys():
+        start[name] = start[name] / radius ** powers[name]
+    start["point"] = in_radii(start["point"], radius, LENGTH_POWER)
+    start["radius"] = radius
+
+
+def _say_stability(study: Any, end: Any, radius: float) -> None:
     """Stability of an axisymmetric end to all perturbations, on standard error."""
     try:
         spectrum = study.stability(end)
     except InputError:  # an end that is no point of a branch: the flow's own word stands
         return
-    counted = f"n_unstable = {spectrum.n_unstable}, mu_crit = {spectrum.mu_crit:.4g} ({spectrum.critical})"
+    rate = spectrum.mu_crit / (end.observables["area"] * radius) ** 4  # see there
+    counted = f"n_unstable = {spectrum.n_unstable}, mu_crit = {rate:.4g} ({spectrum.critical})"
     print(f"pearlbvp: to all perturbations of this tube: {counted}", file=sys.stderr)
 
 
 def _start(
     branch: Any, *, family: str, c0: float | None, length: float | None, mode: tuple[int, int] | None, point: str,
     perturb: Any, delta: float, xi: float, centre: float, keep: bool, law: Any, tube: bool, points: int,
-    size: tuple[int, int], profile: Path | None, pressure: float,
+    size: tuple[int, int], profile: Path | None, pressure: float, radius: float,
 ) -> tuple[Any, Any]:  # fmt: skip
     """Problem and coordinates of the start."""
+    from pearlbvp.helfrich import finite
     from pearlbvp.studies import branch as branches
-    from pearlbvp.studies.flow_start import SAMPLES, chosen, pearl_start, pearl_tube_start, profile_start, tube_start
+    from pearlbvp.studies.flow_start import pearl_start, pearl_tube_start, profile_start, tube_start
+    from pearlbvp.studies.point import SAMPLES, chosen
     from pearlbvp.studies.ring import reduced
     from pearlbvp.studies.tube import tube_branch
 
@@ -220,7 +254,7 @@ def _start(
         if c0 is None or length is None:
             raise InputError("--profile: it goes with --c0 and --length; give both")
         x, r = _profile(profile)
-        return profile_start(c0, length, x, r, points=points, law=law, pressure=pressure)
+        return profile_start(c0, length, x / radius, r / radius, points=points, law=law, pressure=pressure)
     if branch is None:
         if c0 is None or length is None:
             raise InputError("--c0, --length: give both, or a saved branch with --from")
@@ -230,8 +264,11 @@ def _start(
             raise InputError(
                 "--point: without --from, give NAME=VALUE, like v=1.02, for how far the branch is followed"
             )
-        stop = {name: float(value)} if equals else dict([known])  # type: ignore[list-item]
-        options = branches.branch_options(stop)
+        stop = {name: finite("point", value)} if equals else dict([known])  # type: ignore[list-item, arg-type]
+        try:
+            options = branches.branch_options(stop)
+        except InputError as error:
+            raise InputError(str(error).replace("until:", "point:", 1)) from None
         m, n = mode or MODES[family]
         branch = (
             branches.pearl_branch(c0, length, m, options)
@@ -239,7 +276,10 @@ def _start(
             else tube_branch(c0, length, family, (m, n), options)  # type: ignore[arg-type]
         )
         if not branch.complete:
-            raise InputError(f"--point: {point} is not reached: the branch ends, as {branch.reason}")
+            raise InputError(
+                f"--point: {point} is not reached ({branch.reason}); follow the branch with pearlbvp branch --save, and give "
+                "that with --from"
+            )
         point = "-1"
     at = chosen(branch, point, family)
     if family != "pearl":

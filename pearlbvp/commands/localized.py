@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pearlbvp.commands.arguments import Number, Numbers
+from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import check_distinct, check_outputs, computed_aside, outputs, radius_option, write
 
 if TYPE_CHECKING:
@@ -16,7 +17,8 @@ if TYPE_CHECKING:
 
 
 @click.command(
-    epilog="Example:  pearlbvp localized --c0 0.48 --period 7.5 --lengths 15,30,45,60 --out t.csv --plot t.png"
+    cls=Command,
+    epilog="Example:  pearlbvp localized --c0 0.48 --period 7.5 --lengths 15,30,45,60 --out t.csv --plot t.png",
 )
 @click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
 @click.option("--period", type=Number(), required=True, metavar="P", help="Axial period of the pearls, above 2 pi.")

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import click
 
 from pearlbvp.commands.arguments import Number, Numbers
+from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import INTERRUPTED, check_outputs, outputs, radius_option, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@click.command(epilog="Example:  pearlbvp period --c0 0.48 --lengths 7.5:120:0.5 --out p.csv --plot p.png")
+@click.command(cls=Command, epilog="Example:  pearlbvp period --c0 0.48 --lengths 7.5:120:0.5 --out p.csv --plot p.png")
 @click.option("--c0", type=Numbers(), required=True, help="Spontaneous curvature, one or several.")
 @click.option("--lengths", type=Numbers(), required=True, help="Tube lengths.")
 @click.option(

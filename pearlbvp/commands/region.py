@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pearlbvp.commands.arguments import Number, Numbers
+from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import check_outputs, outputs, radius_option, write
 
 if TYPE_CHECKING:
@@ -15,7 +16,8 @@ if TYPE_CHECKING:
 
 
 @click.command(
-    epilog="Example:  pearlbvp region --c0 0.48 --periods 6.6:10:0.1 --pearls 2,4,8 --out r.csv --plot r.png"
+    cls=Command,
+    epilog="Example:  pearlbvp region --c0 0.48 --periods 6.6:10:0.1 --pearls 2,4,8 --out r.csv --plot r.png",
 )
 @click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
 @click.option("--periods", type=Numbers(), required=True, help="Axial periods of one pearl, above 2 pi.")

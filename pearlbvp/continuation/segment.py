@@ -19,6 +19,9 @@ from pearlbvp.newton import NewtonOptions
 BESIDE = 1e-9
 """Largest residual of a solution beside a branch point."""
 
+BEYOND = (1.02, 1.1)
+"""Lengths, by the segment's, up to which a sign change is looked for that lies beyond the last point on another mesh."""
+
 
 @dataclass(frozen=True)
 class Segment(Generic[P]):
@@ -128,8 +131,12 @@ class Segment(Generic[P]):
                 found = function(self.point(s))
             return 0.0 if abs(found) < noise else found
 
-        # The value at the last point is that on the last point's mesh: compute it on this one.
-        if value(self.length) * at_first > 0:
+        # The value at the last point is that on the last point's mesh: compute it on this one. Where the meshes differ, what
+        # lies just before the last point on its own mesh may lie just beyond it on this one.
+        other_mesh = self.first.problem is not self.last.problem
+        ends = [share * self.length for share in ((1.0, *BEYOND) if other_mesh else (1.0,))]
+        end = next((s for s in ends if value(s) * at_first <= 0), None)
+        if end is None:
             raise PathEnd("a sign change between two points is lost on the first one's mesh; take shorter steps")
-        s = float(brentq(value, 0.0, self.length, xtol=tolerance * (1 + abs(self.length)), rtol=1e-14, maxiter=60))
+        s = float(brentq(value, 0.0, end, xtol=tolerance * (1 + abs(self.length)), rtol=1e-14, maxiter=60))
         return self.point(s)

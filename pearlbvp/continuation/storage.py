@@ -61,12 +61,13 @@ def write_branch(branch: Branch[Any], path: Path) -> None:
 Reader = Callable[[Mapping[str, Any]], Any]
 
 
-def read_branch(path: Path, kinds: Mapping[str, tuple[Reader, Reader]]) -> Branch[Any]:
+def read_branch(path: Path, kinds: Mapping[str, tuple[Reader, Reader]], name: str = "resume") -> Branch[Any]:
     """Read a branch.
 
     Args:
         path: a file that ``write_branch`` wrote.
         kinds: for each kind of problem the inverses of its and its spectra's ``to_tree``.
+        name: the argument's name, for the message.
 
     Raises:
         InputError: the file cannot be opened, is no saved branch, or is not whole.
@@ -74,7 +75,7 @@ def read_branch(path: Path, kinds: Mapping[str, tuple[Reader, Reader]]) -> Branc
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != FORMAT or int(file.attrs.get("version", 0)) != VERSION:
-                raise InputError(f"resume: {path} is no branch saved by this version; save one with --save")
+                raise InputError(f"{name}: {path} is no branch saved by this version; save one with --save")
             problem_from, spectrum_from = kinds[str(file.attrs.get("kind", "pearl"))]
             problems = [problem_from(read_tree(file["problems"][str(i)])) for i in range(len(file["problems"]))]
             points = [_read_point(file["points"][str(i)], problems, spectrum_from) for i in range(len(file["points"]))]
@@ -88,7 +89,7 @@ def read_branch(path: Path, kinds: Mapping[str, tuple[Reader, Reader]]) -> Branc
             if isinstance(error, OSError)
             else "something is missing or misplaced in it"
         )
-        raise InputError(f"resume: {path} cannot be read as a saved branch: {reason}; save it again") from None
+        raise InputError(f"{name}: {path} cannot be read as a saved branch: {reason}; save it again") from None
 
 
 def _read_point(group: Any, problems: list[Any], spectrum_from: Callable[[Mapping[str, Any]], Any]) -> BranchPoint[Any]:

@@ -104,7 +104,7 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Fi
         draw_curve(place, table, x, y, COLOURS[0])
         dress(place, names[x], names[y], title if place is axes[0, 0] else "")
     problem = _of_shapes(branch.points[0].point.problem)
-    if problem.stored_as == "tube":  # no single curve describes it
+    if problem.stored_as in ("tube", "mesh"):  # no single curve describes it
         figure.delaxes(axes[1, 1])
         points = along(branch)
         titles = [f"v = {point.observables['v']:.4f}" for point in points]
@@ -113,8 +113,6 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Fi
     elif problem.stored_as == "ring":
         draw_sections(axes[1, 1], branch)
         dress(axes[1, 1], "y (radii), shapes beside one another", "", "sections: stable blue, unstable brown")
-    elif problem.stored_as == "mesh":  # figures.mesh draws one at a time
-        figure.delaxes(axes[1, 1])
     else:
         draw_shapes(axes[1, 1], branch)
         dress(axes[1, 1], "axial position x (radii)", "", "shapes: stable blue, unstable brown")

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from pearlbvp.figures.canvas import COLOURS, dress, new_figure
 from pearlbvp.figures.surface import show_surface
-from pearlbvp.flow.record import FlowResult, FlowState, Frame
+from pearlbvp.flow.record import FlowState, Frame
 
 
 def draw_surface(axes: Any, frame: Frame, extent: float, along: int = 121, around: int = 37) -> None:
@@ -25,8 +25,15 @@ def _extent(frames: list[Frame]) -> float:
     return 1.02 * max(float(np.abs(part).max()) for f in frames for part in f.problem.surface(f.q, 33, 25)[1:])
 
 
-def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "") -> Figure:
-    """Energy, multipliers and velocity over time (logarithmic, from the first step on), and the first and last shape."""
+def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", unit: float = 1.0) -> Figure:
+    """Energy, multipliers and velocity over time (logarithmic, from the first step on), and the first and last shape.
+
+    Args:
+        state: the flow's.
+        table: its rows, in any unit of length.
+        title: above the picture.
+        unit: of the table's times: what a time 1 of the state is there.
+    """
     figure, axes = new_figure(2, 2, width=9.5, height=7.0)
     table = table[table["t"] > 0]
     curves = (
@@ -52,12 +59,15 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "") -> Figure:
             (left - 0.03, bottom + (1 - row) * height / 2, width + 0.06, height / 2), projection="3d"
         )
         draw_surface(place, frame, _extent(list(ends)))
-        place.set_title(f"t = {frame.t:.4g}", fontsize=8, y=0.93)
+        place.set_title(f"t = {frame.t * unit:.4g}", fontsize=8, y=0.93)
     return figure
 
 
-def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10) -> None:
-    """The shapes on the way as a GIF; equal steps of energy and of the number of time steps share the frames."""
+def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, unit: float = 1.0) -> None:
+    """The shapes on the way as a GIF; equal steps of energy and of the number of time steps share the frames.
+
+    Times written on them are those of the state times ``unit``.
+    """
     frames = state.record.frames
     chosen = [frames[i] for i in _evenly(state, min(count, len(frames)))]
     figure = Figure(figsize=(6.0, 3.2), dpi=90)
@@ -66,7 +76,7 @@ def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10) -
 
     def show(index: int) -> list[Any]:
         draw_surface(axes, chosen[index], extent, 61, 25)
-        axes.set_title(f"t = {chosen[index].t:.4g}", fontsize=9)
+        axes.set_title(f"t = {chosen[index].t * unit:.4g}", fontsize=9)
         return [axes]
 
     FuncAnimation(figure, show, frames=len(chosen)).save(path, writer=PillowWriter(fps=rate))
@@ -82,8 +92,3 @@ def _evenly(state: FlowState, count: int) -> list[int]:
     progress = np.maximum.accumulate(progress)
     wanted = np.linspace(progress[0], progress[-1], count)
     return [int(i) for i in np.unique(np.searchsorted(progress, wanted).clip(0, len(times) - 1))]
-
-
-def draw_result(result: FlowResult, title: str = "") -> Figure:
-    """The picture of a finished flow."""
-    return draw_flow(result.state, result.table(), title)

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
+from pearlbvp.figures.surface import LIGHT
 from pearlbvp.mesh.periodic import PeriodicMesh
 
 
@@ -30,17 +31,23 @@ def draw_mesh(
     if values is None:
         values, label = np.hypot(surface.vertices[:, 1], surface.vertices[:, 2]), "distance from the axis (radii)"
     corners = surface.corners
-    colours = ScalarMappable(Normalize(float(values.min()), float(values.max())), colormaps["viridis"])
+    low, high = float(values.min()), float(values.max())
+    if high - low < 1e-9 * abs(high):  # all alike: the colour in the middle
+        low, high = 0.9 * low, 1.1 * high
+    colours = ScalarMappable(Normalize(low, high), colormaps["viridis"])
     faces = colours.to_rgba(values[surface.triangles].mean(axis=1))
     figure = Figure(figsize=(7.5, 4.2), dpi=130)
     axes = figure.add_axes((0.0, 0.0, 0.86, 0.95), projection="3d")
     axes.add_collection3d(  # type: ignore[attr-defined]
-        Poly3DCollection(corners, facecolors=faces, edgecolors=(0, 0, 0, 0.25), linewidths=0.2)
+        Poly3DCollection(
+            corners, facecolors=faces, edgecolors=(0, 0, 0, 0.25), linewidths=0.2, shade=True, lightsource=LIGHT
+        )
     )
-    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low, zoom=1.2)  # type: ignore[call-arg]
-    axes.set(xlabel="x", ylabel="y", zlabel="z", title=title)
+    first, last = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    axes.set(xlim=(first[0], last[0]), ylim=(first[1], last[1]), zlim=(first[2], last[2]))
+    axes.set_box_aspect(last - first, zoom=1.2)  # type: ignore[call-arg]
+    axes.set(xlabel="x", ylabel="y", zlabel="z")
+    axes.set_title(title, fontsize="medium", y=0.93)
     for axis in (axes.yaxis, axes.zaxis):  # type: ignore[attr-defined]
         axis.set_major_locator(MaxNLocator(3))
     axes.view_init(elev=20, azim=-70)  # type: ignore[attr-defined]

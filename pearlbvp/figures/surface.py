@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import LightSource
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchPoint
 from pearlbvp.figures.canvas import new_blank
+from pearlbvp.mesh.periodic import PeriodicMesh
 
 STABLE, UNSTABLE, PLAIN = "#7ba7d9", "#e0a070", "#9db8d6"
 """Colours of surfaces: light enough for shades to show, those of curves in kind."""
@@ -22,8 +24,8 @@ Surface = tuple[Array, Array, Array]
 LIGHT = LightSource(azdeg=225, altdeg=50)
 
 
-def surface_of(point: Any) -> Surface:
-    """Points of a solution's surface on the whole tube, of any family, to draw or to export.
+def surface_of(point: Any) -> Surface | PeriodicMesh:
+    """A solution's surface on the whole tube, of any family, to draw or to export: points, or a mesh where it is on one.
 
     Args:
         point: a point of a branch (``branch.points[i]``) or what it holds (``.point``).
@@ -31,6 +33,9 @@ def surface_of(point: Any) -> Surface:
     if isinstance(point, BranchPoint):
         point = point.point
     problem, u = getattr(point.problem, "base", point.problem), point.u  # of a curve in two parameters: the shapes' own
+    if problem.stored_as == "mesh":
+        mesh: PeriodicMesh = problem.surface(u).reduced()
+        return mesh
     if problem.stored_as == "tube":
         problem, u = problem.released(u, "lambda1", "lambda2", "v")  # whatever varies, at the shape's own length
         x = np.linspace(0, problem.length, max(2, round(6 * problem.length)) + 1)
@@ -53,8 +58,21 @@ def repeated(surface: Surface, period: float, count: int) -> Surface:
     return along, across[0], across[1]
 
 
+def coordinates(surface: Surface | PeriodicMesh) -> Surface:
+    """``x, y, z`` of a surface's points; of a mesh those of its triangles' corners, each of shape (T, 3)."""
+    if isinstance(surface, PeriodicMesh):
+        corners = surface.corners
+        return corners[..., 0], corners[..., 1], corners[..., 2]
+    return surface
+
+
 def show_surface(
-    axes: Any, surface: Surface, half_length: float, extent: float, colour: str = PLAIN, zoom: float = 1.9
+    axes: Any,
+    surface: Surface | PeriodicMesh,
+    half_length: float,
+    extent: float,
+    colour: str = PLAIN,
+    zoom: float = 1.9,
 ) -> None:
     """A tube seen from afar, lit from above, in a box of given size.
 
@@ -65,12 +83,17 @@ def show_surface(
         colour: of the surface.
         zoom: how much larger than the axes' square the box is shown.
     """
-    x, y, z = surface
+    x, y, z = coordinates(surface)
+    x = x - (x.min() + x.max()) / 2
     axes.clear()
-    drawn = axes.plot_surface(
-        x - (x.min() + x.max()) / 2, y, z, rstride=1, cstride=1, color=colour, linewidth=0, antialiased=False,
-        lightsource=LIGHT,
-    )  # fmt: skip
+    if isinstance(surface, PeriodicMesh):
+        corners = np.stack((x, y, z), axis=-1)
+        shaded = Poly3DCollection(corners, facecolors=colour, shade=True, lightsource=LIGHT, antialiased=False)
+        drawn = axes.add_collection3d(shaded)
+    else:
+        drawn = axes.plot_surface(
+            x, y, z, rstride=1, cstride=1, color=colour, linewidth=0, antialiased=False, lightsource=LIGHT
+        )
     drawn.set_clip_on(False)  # three-dimensional axes are square, tubes are not
     axes.set(xlim=(-half_length, half_length), ylim=(-extent, extent), zlim=(-extent, extent))
     axes.set_proj_type("ortho")
@@ -118,8 +141,8 @@ def place_surfaces(
         grid: rows and columns.
     """
     surfaces = [surface_of(point) for point in points]
-    extent = max(float(np.abs(part).max()) for surface in surfaces for part in surface[1:])
-    half_length = max(float(np.ptp(surface[0])) for surface in surfaces) / 2
+    extent = max(float(np.abs(part).max()) for surface in surfaces for part in coordinates(surface)[1:])
+    half_length = max(float(np.ptp(coordinates(surface)[0])) for surface in surfaces) / 2
     left, bottom, width, height = box[0], box[1], box[2] / grid[1], box[3] / grid[0]
     for place, (point, surface, title) in enumerate(zip(points, surfaces, titles, strict=True)):
         row, column = divmod(place, grid[1])

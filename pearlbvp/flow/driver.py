@@ -59,9 +59,9 @@ class FlowOptions:
     def __post_init__(self) -> None:
         for name in ("until", "velocity", "rtol", "atol", "max_steps", "max_seconds", "resolution", "every"):
             if getattr(self, name) is not None and not getattr(self, name) > 0:
-                raise InputError(f"{name}: {getattr(self, name)!r} must be positive")
+                raise InputError(f"{name}: {getattr(self, name)!r} must be positive; give a number above 0")
         if not 1 <= self.max_order <= 5:
-            raise InputError(f"max_order: {self.max_order} is not between 1 and 5")
+            raise InputError(f"max_order: {self.max_order} is not between 1 and 5; the formulas have no others")
 
 
 PARALLEL = 1e-14

@@ -15,6 +15,12 @@ if TYPE_CHECKING:
 
 COLUMNS = ("t", "E", "lambda1", "lambda2", "area_error", "volume_error", "velocity", "v", "amplitude", "r_min", "r_max")
 
+
+def length_powers(law: str) -> dict[str, int]:
+    """Powers of the length unit in time and velocity: ``-dF`` is ``length^-3``, its Laplacian, for diffusion, ``length^-5``."""
+    return {"t": 6, "velocity": -5} if law == "diffusion" else {"t": 4, "velocity": -3}
+
+
 Status = Literal[
     "steady",
     "saddle",

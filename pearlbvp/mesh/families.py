@@ -40,6 +40,12 @@ from pearlbvp.mesh.adaptation import AdaptOptions, adapted, measured
 from pearlbvp.mesh.periodic import Array, PeriodicMesh
 from pearlbvp.mesh.samples import Samples
 
+MOST_NODES = 200_000
+"""Vertices of a mesh beyond which memory runs out before an equilibrium is found."""
+
+POOREST = 8.0
+"""Quality of triangles that no mesh is made of: an equilateral one has 3.5, and the paper mends those worse than 8."""
+
 Surface = Callable[[Array, Array], Array]
 """Points, shape (K, 3), of parameters ``x`` and ``phi``, shape (K,), with ``x + L`` a period further along."""
 
@@ -64,9 +70,19 @@ def divisions(length: float, nodes: int) -> tuple[int, int]:
             score = quality + abs(rows * around / nodes - 1)  # of equally good ones the nearest in number
             if score < best:
                 best, chosen = score, (rows, around)
-    if not math.isfinite(best):
-        raise InputError(f"nodes: {nodes} are too few for a tube of length {length:g}; give more")
+    if best > POOREST:
+        raise InputError(
+            f"nodes: {nodes} are too few for good triangles on a tube of length {length:g}; give {fewest(length)} or more"
+        )
     return chosen
+
+
+def fewest(length: float) -> int:
+    """Nodes of a tube with the fewest rows (4) or nodes in each (5) and equilateral triangles, rounded upwards."""
+    width = 2 * math.sin(math.pi / 5)
+    rows = length / (math.sqrt(3) / 2 * width)
+    around = 2 * math.pi / (length / 4 * 2 / math.sqrt(3))
+    return math.ceil(1.2 * max(4, rows) * max(5, around))
 
 
 def tube_mesh(length: float, nodes: int, surface: Surface | None = None) -> PeriodicMesh:
@@ -84,6 +100,8 @@ def tube_mesh(length: float, nodes: int, surface: Surface | None = None) -> Peri
     """
     if nodes < 20:
         raise InputError(f"nodes: {nodes} make no tube; give 20 or more")
+    if nodes > MOST_NODES:
+        raise InputError(f"nodes: {nodes} are more than the {MOST_NODES} that fit in memory; give fewer")
     rows, around = divisions(length, int(nodes))
     j, i = np.divmod(np.arange(rows * around), around)
     x, phi = length * j / rows, 2 * np.pi * (i + 0.5 * (j % 2)) / around

@@ -31,6 +31,21 @@ def _format(name: str, path: Path) -> str:
         ) from None
 
 
+def writable_mesh(name: str, path: str | os.PathLike[str]) -> Path:
+    """``path`` as a Path, checked before a mesh is computed for it.
+
+    Args:
+        name: the argument's name, for the message.
+        path: ending in ``.vtu``, ``.ply`` or ``.obj``.
+
+    Raises:
+        InputError: another ending, or a place that cannot be written to.
+    """
+    checked = writable(name, path)
+    _format(name, Path(path))
+    return checked
+
+
 def write_mesh(mesh: PeriodicMesh, path: str | os.PathLike[str], data: Mapping[str, Array] | None = None) -> None:
     """Write one period of a mesh; corners in the next period get vertices of their own.
 

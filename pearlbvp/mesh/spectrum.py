@@ -88,7 +88,8 @@ class MeshSpectrum:
     @classmethod
     def from_tree(cls, tree: Mapping[str, Any]) -> MeshSpectrum:
         """The inverse of ``to_tree``."""
-        names = [name.removeprefix("rates_") for name in tree if name.startswith("rates_")]
+        # Files sort names; special points count the blocks in the order in which problems have them.
+        names = [name for name in ("all", "symmetric", "breaking") if f"rates_{name}" in tree]
         rates = {MeshBlock(name): np.asarray(tree[f"rates_{name}"], dtype=float) for name in names}
         return cls(rates, bool(tree["complete"]))
 

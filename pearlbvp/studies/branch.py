@@ -55,13 +55,13 @@ def branch_options(
         if name not in STOPS:
             raise InputError(f"until: a branch cannot stop at a value of {name!r}; choose one of {', '.join(STOPS)}")
     if max_points < 2:
-        raise InputError(f"max_points: {max_points} must be 2 or more")
+        raise InputError(f"max_points: {max_points} must be 2 or more; the first is the start")
     if not max_step > 1e-6:
-        raise InputError(f"max_step: {max_step:g} must be above 1e-6")
+        raise InputError(f"max_step: {max_step:g} must be above 1e-6; give one like 0.5")
     if step is None:
         step = min(0.1, max_step)
     if not 1e-6 < step <= max_step:
-        raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}")
+        raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}; give one between")
 
     path = PathOptions(step=step, max_step=max_step, max_points=max_points)
     return BranchOptions(path=path, until=wanted, limit=limit, progress=progress)
@@ -181,7 +181,7 @@ def varied(
     if keep not in ("v", "lambda2"):
         raise InputError(f"keep: {keep!r} cannot be kept; choose v or lambda2")
     if not -len(branch.points) <= index < len(branch.points):
-        raise InputError(f"point: the branch has points 0 to {len(branch.points) - 1}, so there is no point {index}")
+        raise InputError(f"point: there is no point {index}; the branch has points 0 to {len(branch.points) - 1}")
     index %= len(branch.points)
     point = branch.points[index].point
     if point.observables["amplitude"] < 1e-9:
@@ -207,6 +207,10 @@ def _varying(branch: Branch[Any], vary: str) -> str:
     names = {"c0": "c0", "L": "length"}
     if vary not in names:
         raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L (lambda2 and v vary on every branch)")
+    if branch.points[0].point.problem.stored_as == "mesh":
+        raise InputError(
+            f"vary: a branch on a mesh keeps its {vary}; follow one from the straight tube at another value"
+        )
     if not hasattr(branch.points[0].point.problem, "released"):
         raise InputError(
             f"vary: the shape of rings does not depend on {vary}; for where it exchanges stability, see "

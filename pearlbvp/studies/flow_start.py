@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
@@ -12,9 +11,6 @@ from scipy.interpolate import CubicSpline
 
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.scheme import Array
-from pearlbvp.continuation.branch import Branch
-from pearlbvp.continuation.path import PathEnd, Point
-from pearlbvp.continuation.segment import Segment
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, constrained, flow
@@ -28,18 +24,10 @@ from pearlbvp.helfrich import Tube, finite
 from pearlbvp.mesh.adaptation import smoothed
 from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
-from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.mesh import NODES, meshed
 from pearlbvp.tube.problem import TubeProblem
-
-SAMPLES = {
-    ("pearl", 0.0, 10.0, "A2"): ("lambda2", -3.165),
-    ("coil", 0.0, 10.0, "B"): ("lambda2", 1.387),
-    ("buckle", 0.0, 10.0, "C"): ("lambda2", 1.29),
-}
-"""Samples of the paper's branches by family, ``c0``, ``L`` and name (Table ptab1)."""
 
 UNLIKE = 1e-5
 """Relative difference of the energies of a branch's shape and of the flow's, beyond which the modes are too few."""
@@ -232,11 +220,9 @@ def mesh_start(
         law: what the flow keeps.
 
     Raises:
-        InputError: the mesh is too coarse for the shape, or an argument cannot be used.
+        InputError: the mesh is too coarse for the shape, that is the straight tube, or an argument cannot be used.
     """
-    problem, u = point.problem, point.u
-    if not isinstance(problem, MeshProblem):
-        problem, u = meshed(point, nodes, kind=kind)
+    problem, u = meshed(point, nodes, kind=kind)
     pressure = float(u[-2]) if law == "area" else 0.0
     mesh = problem.mesh.moved(problem.vertices(u))
     start = mesh_flow(mesh, problem.c0, problem.kind, law, pressure, problem.functional, adapt=problem.adapt)
@@ -261,50 +247,3 @@ def surface_start(
     functional = Functional(mesh, kind)
     reference = mesh.moved(functional.vertices_near(mesh.vertices))
     return mesh_flow(reference, finite("c0", c0), kind, law, pressure, functional), np.zeros(mesh.count)
-
-
-def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
-    """A point of a branch.
-
-    Args:
-        branch: of pearls, rings, coils or buckles.
-        name: its number (negative: from the end), or ``NAME=VALUE`` for the first place where a column has a value, or one
-            of the paper's names (``SAMPLES``).
-        family: of the branch.
-
-    Raises:
-        InputError: there is no such point.
-    """
-    points = [entry.point for entry in branch.points]
-    try:
-        number = int(name)
-    except ValueError:
-        pass
-    else:
-        if not -len(points) <= number < len(points):
-            raise InputError(f"point: the branch has points 0 to {len(points) - 1}, so there is no point {number}")
-        return points[number]
-    column, equals, text = name.partition("=")
-    if equals:
-        value = finite("point", text)  # type: ignore[arg-type]
-    else:
-        first = points[0].observables
-        known = {key[3]: found for key, found in SAMPLES.items() if key[:3] == (family, first["c0"], first["L"])}
-        if name not in known:
-            names = f" or one of {', '.join(known)}" if known else ""
-            raise InputError(f"point: {name!r} is no point of this branch; give its number, NAME=VALUE{names}")
-        column, value = known[name]
-    if column not in points[0].observables:
-        raise InputError(
-            f"point: {column!r} is no column of the branch; choose one of {', '.join(points[0].observables)}"
-        )
-    for before, after in itertools.pairwise(points):
-        ends = [point.observables[column] - value for point in (before, after)]
-        if ends[1] == 0:
-            return after
-        if ends[0] * ends[1] < 0:
-            try:
-                return Segment(before, after).root(lambda point: point.observables[column] - value, ends[0])
-            except PathEnd:
-                break
-    raise InputError(f"point: {column} = {value:g} is not reached on this branch; follow it further")

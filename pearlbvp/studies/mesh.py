@@ -7,18 +7,21 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
 from pearlbvp.continuation.path import Point
 from pearlbvp.continuation.switching import switch, tangent_along
+from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.families import Surface, carried, tube_mesh
-from pearlbvp.mesh.functional import Kind
+from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
+from pearlbvp.mesh.spectrum import Fixed
 from pearlbvp.mesh.start import Form, equilibrium, onset
 from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.branch import branch_options, numbered
@@ -26,6 +29,9 @@ from pearlbvp.theory.dispersion import Mode
 
 NODES = 3000
 """Vertices of a mesh by default: four digits of the branch points of the straight tube."""
+
+STRAIGHT = 1e-6
+"""Amplitude below which a shape is the straight tube."""
 
 AROUND = 256
 """Points of a section from which those between them are interpolated."""
@@ -41,6 +47,7 @@ def mesh_branch(
     *,
     kind: Kind = "subdivision",
     adapt: AdaptOptions | None = None,
+    fixed: Fixed = "area and volume",
 ) -> Branch[MeshProblem]:
     """The branch that leaves the straight tube at a mode, on a triangulated surface, with stability.
 
@@ -53,6 +60,7 @@ def mesh_branch(
         options: where to stop and how to step, from ``studies.branch.branch_options``.
         kind: the discretization.
         adapt: when and how the mesh is adapted on the way.
+        fixed: what the perturbations keep that stability is judged by.
 
     Returns:
         The branch; its table has the columns of a branch of pearls.
@@ -62,32 +70,97 @@ def mesh_branch(
     """
     tube = Tube(c0, length)
     problem, u, direction = onset(tube, family, *mode, tube_mesh(tube.length, nodes), kind)
-    problem = replace(problem, adapt=adapt or AdaptOptions()).symmetric(u, direction)
+    problem = replace(problem, adapt=adapt or AdaptOptions(), fixed=fixed).symmetric(u, direction)
     start = start_point(problem, u, direction)
     return continue_branch(start, options or branch_options(), at_bifurcation=True)
 
 
 def meshed(
-    point: BranchPoint[Any] | Point, nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision"
+    point: BranchPoint[Any] | Point[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision"
 ) -> tuple[MeshProblem, Array]:
-    """The equilibrium on a mesh at the reduced volume of a computed pearl, ring, coil or buckle.
+    """The equilibrium on a mesh at the reduced volume of a computed shape; of a shape on a mesh itself.
 
     Args:
-        point: of a branch of ``studies.branch``, ``studies.ring`` or ``studies.tube``.
-        nodes: vertices of the mesh, or a mesh of the straight tube that is carried over to the shape.
-        kind: the discretization.
+        point: of a branch of any family.
+        nodes: vertices of the mesh, or a mesh of the straight tube that is carried over to the shape. A shape on a mesh has
+            its own.
+        kind: the discretization; a shape on a mesh has its own.
 
     Returns:
         The problem and its unknown: ``problem.observables(u)``, ``problem.spectrum(u)``, ``problem.surface(u)``.
 
     Raises:
-        InputError: the mesh is too coarse for the shape.
+        InputError: the mesh is too coarse for the shape, or that is the straight tube.
     """
-    at = point.point if isinstance(point, BranchPoint) else point
-    found = at.observables
-    surface = _surface(at.problem, at.u, found["L"])
-    mesh = carried(nodes, surface) if isinstance(nodes, PeriodicMesh) else tube_mesh(found["L"], nodes, surface)
-    return equilibrium(mesh, found["c0"], found["v"], found["lambda1"], found["lambda2"], kind)
+    point = point.point if isinstance(point, BranchPoint) else point
+    found = point.observables
+    if found["amplitude"] < STRAIGHT:
+        raise InputError(
+            "point: it is the straight tube, which is an equilibrium at any pressure; choose another point"
+        )
+    if isinstance(point.problem, MeshProblem):
+        return point.problem, point.u
+    fixed = point.problem.fixed
+    return equilibrium(
+        shape_mesh(point, nodes), found["c0"], found["v"], found["lambda1"], found["lambda2"], kind, fixed=fixed
+    )
+
+
+def shape_mesh(point: BranchPoint[Any] | Point[Any], nodes: int | PeriodicMesh = NODES) -> PeriodicMesh:
+    """A mesh with its vertices on a computed shape; of a shape on a mesh its own triangles.
+
+    Args:
+        point: of a branch of any family.
+        nodes: vertices of the mesh, or a mesh of the straight tube that is carried over to the shape.
+
+    Raises:
+        InputError: so few nodes make no good triangles.
+    """
+    point = point.point if isinstance(point, BranchPoint) else point
+    if isinstance(point.problem, MeshProblem):
+        return point.problem.surface(point.u)
+    length = point.observables["L"]
+    surface = _surface(point.problem, point.u)
+    return carried(nodes, surface) if isinstance(nodes, PeriodicMesh) else tube_mesh(length, nodes, surface)
+
+
+def mesh_table(mesh: PeriodicMesh, c0: float, kind: Kind = "subdivision") -> pd.DataFrame:
+    """What there is to know of a mesh before anything is solved on it.
+
+    Args:
+        mesh: its vertices on the surface.
+        c0: spontaneous curvature.
+        kind: the discretization whose energy is given.
+
+    Returns:
+        One row: ``nodes, triangles, quality_worst, quality_mean`` (paper, eq. (mq); 3.46 is best), ``area, volume`` of the
+        flat triangles, ``c0, L``, and ``E``, the discretization's energy by area of a surface through the vertices.
+    """
+    functional = Functional(mesh, kind)
+    vertices = functional.vertices_near(mesh.vertices)
+    energy, area, _ = functional.sums(vertices, np.zeros_like(vertices), c0).values
+    return _rows(mesh, {"c0": c0, "L": mesh.length, "E": float(energy / area)})
+
+
+def equilibrium_table(problem: MeshProblem, u: Array) -> pd.DataFrame:
+    """The same of an equilibrium, with ``lambda1, lambda2, v, amplitude, r_min, r_max, n_unstable, mu_crit, critical``."""
+    found, spectrum = problem.observables(u), problem.spectrum(u)
+    order = ("c0", "L", "E", "lambda1", "lambda2", "v", "amplitude", "r_min", "r_max")
+    stability = {
+        "n_unstable": spectrum.n_unstable if spectrum.complete else None,
+        "mu_crit": spectrum.mu_crit,
+        "critical": str(spectrum.critical),
+    }
+    return _rows(problem.surface(u), {name: found[name] for name in order} | stability)
+
+
+def _rows(mesh: PeriodicMesh, values: dict[str, Any]) -> pd.DataFrame:
+    quality = mesh.quality
+    shape = {
+        "nodes": mesh.count, "triangles": len(mesh.triangles), "quality_worst": quality.max(),
+        "quality_mean": quality.mean(), "area": mesh.area, "volume": mesh.volume,
+    }  # fmt: skip
+    return pd.DataFrame([shape | values])
 
 
 def branch_from(
@@ -118,10 +191,12 @@ def mesh_switched(
     return switch(branch, numbered(branch, number), options, grow=grow)
 
 
-def _surface(problem: Any, u: Array, length: float) -> Surface:
+def _surface(problem: Any, u: Array) -> Surface:
     """Points of a computed shape by two parameters: ``x``, from 0 to the length, and ``phi``."""
-    if hasattr(problem, "profile"):
+    if problem.stored_as == "pearl":
         return _of_profile(problem.profile(u))
+    if problem.stored_as == "tube":
+        problem, u = problem.released(u, "lambda1", "lambda2", "v")  # whatever varies, at the shape's own length
     return _of_sections(lambda x: problem.section(u, x, AROUND + 1))
 
 

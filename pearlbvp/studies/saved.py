@@ -42,15 +42,19 @@ def save(branch: Branch[Any], path: str | os.PathLike[str]) -> None:
     write_whole("save", writable("save", path), lambda temporary: write_branch(branch, temporary))
 
 
-def load(path: str | os.PathLike[str]) -> Branch[Any]:
+def load(path: str | os.PathLike[str], name: str = "resume") -> Branch[Any]:
     """Load a branch that ``save`` saved. Nothing in the file is executed.
+
+    Args:
+        path: of the file.
+        name: the argument's name, for the message.
 
     Raises:
         InputError: the file is no saved branch, or is not whole.
     """
     if not Path(path).is_file():
-        raise InputError(f"resume: there is no file {path}; give one that --save wrote")
-    return read_branch(Path(path), KINDS)
+        raise InputError(f"{name}: there is no file {path}; give one that pearlbvp branch --save wrote")
+    return read_branch(Path(path), KINDS, name)
 
 
 def kind_of(branch: Branch[Any]) -> str:

@@ -22,7 +22,8 @@ from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, first_rates, flow
 from pearlbvp.flow.problem import Array
 from pearlbvp.studies.branch import branch_options, pearl_branch
-from pearlbvp.studies.flow_start import chosen, pearl_start, tube_start
+from pearlbvp.studies.flow_start import pearl_start, tube_start
+from pearlbvp.studies.point import chosen
 from pearlbvp.studies.tube import tube_branch
 
 END = 1.0

@@ -1,0 +1,141 @@
+"""``pearlbvp mesh``."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pearlbvp.commands.arguments import Number
+from pearlbvp.commands.branch import given_options
+from pearlbvp.commands.command import Command
+from pearlbvp.commands.output import check_distinct, check_outputs, radius_option, write
+from pearlbvp.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+
+@click.command(
+    cls=Command,
+    epilog="Examples:  pearlbvp mesh --length 10 --nodes 2000 --out tube.obj  |  "
+    "pearlbvp mesh --from b.h5 --point v=1.2 --nodes 3000 --out pearl.vtu --plot pearl.png  |  "
+    "pearlbvp mesh --from b.h5 --point A2 --solve --out a2.ply",
+)
+@click.option(
+    "--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of any family."
+)
+@click.option("--point", default="-1", show_default=True, metavar="K|NAME=VALUE|A2",
+              help="With --from: a point's number, a column's value, or a name of the paper.")  # fmt: skip
+@click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the straight tube.")
+@click.option("--c0", type=Number(), help="Without --from: spontaneous curvature, for the energy.  [default: 0]")
+@click.option("--nodes", type=int, metavar="N", help="Vertices, to within a tenth.  [default: 3000]")
+@click.option("--discretization", type=click.Choice(["subdivision", "cotangent"]), default="subdivision",
+              show_default=True, help="Of the energy, and with --solve of the equilibrium.")  # fmt: skip
+@click.option("--solve", is_flag=True, help="Let Newton's method find the equilibrium of the mesh at the same volume.")
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.vtu|.ply|.obj", help="Write the mesh there.")
+@click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw a picture of the surface.")
+@radius_option
+def mesh(
+    source: Path | None,
+    point: str,
+    length: float | None,
+    c0: float | None,
+    nodes: int | None,
+    discretization: Any,
+    solve: bool,
+    out: Path | None,
+    plot: Path | None,
+    radius: float,
+) -> int:
+    """Make a triangulated tube: the straight one, or any shape of a saved branch.
+
+    Columns (one row, on standard output): nodes, triangles, quality_worst, quality_mean (longest edge times perimeter by
+    twice the area; 3.46 is best), area, volume (of the flat triangles), c0, L, E (of the discretization); with --solve
+    also lambda1, lambda2, v, amplitude, r_min, r_max, n_unstable, mu_crit, critical, of the equilibrium on the mesh.
+
+    The mesh is one period, cut where it begins again. A shape of a branch on a mesh comes with its own triangles.
+    """
+    from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius, positive
+
+    given = given_options(click.get_current_context())
+    _refuse_idle(given)
+    positive("radius", radius)
+    _, plot = check_outputs(None, plot)
+    if out is not None:
+        from pearlbvp.mesh.files import writable_mesh
+
+        out = writable_mesh("--out", out)
+    start = None if source is None else Path(os.path.realpath(source))
+    check_distinct({"--from": start, "--out": out, "--plot": plot})
+    from pearlbvp.studies.mesh import NODES, mesh_table
+
+    if source is None:
+        from pearlbvp.mesh.families import tube_mesh
+
+        tube = Tube.from_dimensional(c0 or 0.0, length, radius)  # type: ignore[arg-type]
+        surface, title = tube_mesh(tube.length, nodes or NODES), f"straight tube, L = {tube.length:g}"
+        table = mesh_table(surface, tube.c0, discretization)
+    else:
+        from pearlbvp.studies import saved
+        from pearlbvp.studies.point import chosen, in_radii
+
+        branch = saved.load(source, "--from")
+        at = chosen(branch, in_radii(point, radius, LENGTH_POWER), saved.family_of(branch))
+        own = sorted(given & {"nodes", "discretization"})
+        if own and at.problem.stored_as == "mesh":
+            raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
+        surface, table = _of_a_point(at, nodes or NODES, discretization, solve)
+        title = f"v = {at.observables['v']:.4f}, L = {at.observables['L']:g}"
+    if out is not None:
+        from pearlbvp.mesh.files import write_mesh
+
+        write_mesh(replace(surface, vertices=radius * surface.vertices, length=radius * surface.length), out)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.mesh import draw_mesh
+
+        return draw_mesh(surface, title=f"{title}: {surface.count} nodes, {len(surface.triangles)} triangles")
+
+    return write(in_units_of_radius(table, radius), None, plot, draw)
+
+
+def _refuse_idle(given: set[str]) -> None:
+    """Refuse options that say nothing beside others, or too few.
+
+    Raises:
+        InputError: the first of them, and what to do.
+    """
+    if "source" in given:
+        for name in sorted(given & {"c0", "length"}):
+            raise InputError(f"--{name}: a saved branch has its own; leave it out with --from")
+        return
+    if "length" not in given:
+        raise InputError("--length, --from: neither is given; give the length of a straight tube, or a saved branch")
+    if "point" in given:
+        raise InputError("--point: it is one of a saved branch; give that with --from")
+    if "solve" in given:
+        raise InputError("--solve: the straight tube is an equilibrium at any pressure; give a shape with --from")
+
+
+def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool) -> tuple[Any, pd.DataFrame]:
+    """Mesh and row of a point of a branch."""
+    from pearlbvp.studies.mesh import equilibrium_table, mesh_table, meshed, shape_mesh
+
+    if not solve:
+        own = at.problem.stored_as == "mesh"
+        surface = shape_mesh(at, nodes)
+        return surface, mesh_table(surface, at.observables["c0"], at.problem.kind if own else kind)
+    from tqdm import tqdm
+
+    with tqdm(total=2, unit="step", disable=None, desc="equilibrium") as bar:
+        problem, u = meshed(at, nodes, kind=kind)
+        bar.update()
+        bar.set_description("growth rates")
+        table = equilibrium_table(problem, u)
+        bar.update()
+    return problem.surface(u), table

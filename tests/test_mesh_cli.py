@@ -1,0 +1,282 @@
+"""Triangulated tubes from the command line: ``pearlbvp branch --nodes`` and ``pearlbvp mesh``."""
+
+import io
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pearlbvp.cli import main
+from pearlbvp.continuation.path import Point
+from pearlbvp.continuation.segment import Segment
+from pearlbvp.mesh.families import fewest, tube_mesh
+from pearlbvp.mesh.files import read_mesh
+from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.ring import ring_branch
+from pearlbvp.studies.saved import load, save, switched
+from pearlbvp.studies.tube import tube_branch
+
+COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
+           "critical", "c0", "L", "mu_error"]  # fmt: skip
+
+
+def run(capsys, *arguments):
+    """Exit status, standard output and standard error of a call in this process."""
+    with pytest.raises(SystemExit) as left:
+        main([str(word) for word in arguments])
+    captured = capsys.readouterr()
+    said = [line for line in captured.err.splitlines(keepends=True) if not line.startswith("pearlbvp: compiling")]
+    return left.value.code, captured.out, "".join(said)
+
+
+def table_of(out):
+    return pd.read_csv(io.StringIO(out), keep_default_na=False, na_values={"mu_error": [""]})
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("meshes")
+
+
+@pytest.fixture(scope="module")
+def coil():
+    return tube_branch(0.0, 10.0, "coil", (1, 1), branch_options({"v": 0.95}))
+
+
+@pytest.fixture(scope="module")
+def saved(folder):
+    """A coil on a mesh, followed at a radius of 2 by the command line; what it wrote."""
+    path, table, picture = folder / "coil.h5", folder / "coil.csv", folder / "coil.png"
+    with pytest.raises(SystemExit) as left:
+        main(["branch", "coil", "--c0", "0", "--length", "20", "--radius", "2", "--nodes", "500", "--until", "v=0.97",
+              "--save", str(path), "--out", str(table), "--plot", str(picture)])  # fmt: skip
+    assert left.value.code == 0
+    return path, table, picture
+
+
+def test_a_branch_on_a_mesh_is_the_coil_of_reduced_modes(saved, coil):
+    path, table, picture = saved
+    written = pd.read_csv(table, keep_default_na=False)
+    assert list(written.columns) == COLUMNS
+    assert written.special.iloc[-1] == "stop"
+    assert load(path).points[0].point.problem.mesh.count == pytest.approx(500, rel=0.1)
+    exact = tube_branch(0.0, 10.0, "coil", (1, 1), branch_options({"v": 0.97})).points[-1].observables
+    last = written.iloc[-1]
+    for name, power in {"lambda1": -2, "lambda2": -3, "v": 0, "E": -2}.items():
+        assert last[name] == pytest.approx(exact[name] * 2.0**power, rel=3e-3)
+    assert last["r_min"] == pytest.approx(2 * exact["r_min"], rel=0.01)  # of a few vertices
+    assert (written.n_unstable.astype(int) == 0).all()
+    assert picture.read_bytes().startswith(b"\x89PNG\r\n")
+
+
+def test_it_is_resumed_under_any_family_s_name(capsys, saved, coil):
+    exact = coil.points[-1].observables
+    status, out, _ = run(capsys, "branch", "pearl", "--resume", saved[0], "--until", "v=0.95")
+    assert status == 0
+    assert table_of(out).lambda2.iloc[-1] == pytest.approx(exact["lambda2"], rel=3e-3)
+
+
+def test_branches_on_meshes_are_switched(capsys, folder):
+    """Modulated rings at the first branch point of the rings, from a file as from memory (``test_mesh_branch``)."""
+    path = folder / "ring.h5"
+    options = ["--c0", 0, "--length", 10, "--nodes", 400, "--until", "v=0.953", "--pressure", "--save", path]
+    status, _, _ = run(capsys, "branch", "ring", *options)
+    assert status == 0
+    assert load(path).points[-1].point.problem.fixed == "area"
+    rings = load(path)
+    assert [special.block.name for special in rings.find("bp")] == ["breaking"] * 2
+    neutral = rings.at(rings.find("bp")[0])
+    assert np.abs(neutral.spectrum.rates[rings.find("bp")[0].block]).min() < 1e-6
+    status, out, err = run(capsys, "branch", "ring", "--resume", path, "--switch", 1, "--max-points", 3, "--step", 0.05)
+    assert (status, err.count("\n")) == (0, 1)
+    found = table_of(out)
+    assert len(found) == 3
+    assert found.r_min.iloc[-1] < 0.985 * found.r_min.iloc[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (["--nodes", "5"], "--nodes"),
+        (["--nodes", "1000000000"], "--nodes"),
+        (["--nodes", "many"], "Invalid value for '--nodes'"),
+        (["--nodes", "30", "--mode", "9,0"], "--mode"),
+        (["--nodes", "100", "--length", "1000"], "--nodes"),
+        (["--nodes", "500", "--shape", "0.1", "--volume", "1"], "--shape"),
+        (["--nodes", "500", "--tolerance", "1e-8"], "--tolerance"),
+        (["--nodes", "500", "--vary", "L"], "--vary"),
+        (["--discretization", "cotangent"], "--discretization"),
+    ],
+)
+def test_mistakes_with_nodes_are_one_line(capsys, arguments, name):
+    status, out, err = run(capsys, "branch", "pearl", "--c0", 0, "--length", 10, *arguments)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert name in err.partition(": ")[2]
+    assert "; " in err or "see --help" in err  # the remedy
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [(["--vary", "c0"], "--vary"), (["--nodes", "500"], "--nodes"), (["--switch", "1", "--centre", "neck"], "--centre"),
+     (["--switch", "4"], "--switch")],
+)  # fmt: skip
+def test_what_a_saved_branch_on_a_mesh_does_not_have(capsys, saved, arguments, name):
+    status, out, err = run(capsys, "branch", "pearl", "--resume", saved[0], *arguments)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert name in err
+
+
+@pytest.mark.parametrize("length", [0.3, 2.0, 10.0, 300.0])
+def test_the_number_of_nodes_that_is_advised_makes_a_good_mesh(length):
+    """A remedy that helps: not far from equilateral triangles (3.46)."""
+    assert tube_mesh(length, fewest(length)).quality.max() < 3.7
+
+
+class Shifted:
+    """A curve ``y = x`` whose height is read off with an error that depends on the mesh."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def residual(self, u):
+        return np.array([u[1] - u[0]])
+
+    def solve(self, u, rhs, row=None):
+        return np.linalg.solve(np.array([[-1.0, 1.0], row]), rhs)
+
+    def inner(self, u, v):
+        return float(u @ v)
+
+    def adopt(self, other, u):
+        return u
+
+    def observables(self, u):
+        return {"height": float(u[1]) + self.error}
+
+
+def test_a_value_that_another_mesh_puts_just_before_the_last_point_is_found_beyond_it():
+    first, last = Shifted(0.0), Shifted(0.01)
+    tangent = np.full(2, np.sqrt(0.5))
+    ends = [Point(p, np.full(2, x), tangent, p.observables(np.full(2, x))) for p, x in ((first, 0.0), (last, 1.0))]
+    assert ends[0].observables["height"] < 1.005 < ends[1].observables["height"]
+    found = Segment(*ends).root(lambda point: point.observables["height"] - 1.005, -1.005)
+    assert found.u[0] == pytest.approx(1.005, abs=1e-12)
+
+
+SHAPE = ["nodes", "triangles", "quality_worst", "quality_mean", "area", "volume", "c0", "L", "E"]
+EQUILIBRIUM = ["lambda1", "lambda2", "v", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit", "critical"]
+
+
+@pytest.fixture(scope="module")
+def shapes(folder, coil):
+    """Saved branches of every family, each to a shape far from the straight tube."""
+    options = branch_options({"v": 0.96})
+    save(pearl_branch(0.48, 15.0, 2, branch_options({"v": 1.015})), folder / "pearl.h5")
+    save(ring_branch(0.0, 4.0, 2, options), folder / "ring0.h5")
+    save(coil, folder / "coil0.h5")
+    save(tube_branch(0.0, 10.0, "buckle", (1, 1), options), folder / "buckle.h5")
+    coils = tube_branch(0.48, 10.0, "coil", (1, 1), branch_options({"v": 0.905}))
+    save(switched(coils, 1, branch_options({"v": 0.907})), folder / "mixed.h5")
+    return {name: folder / f"{name}.h5" for name in ("pearl", "ring0", "coil0", "buckle", "mixed")}
+
+
+def test_the_straight_tube_needs_a_length_only(capsys, tmp_path):
+    """Area and volume in the file are those of inscribed polyhedra: below the tube's, by the square of the mesh width."""
+    errors = []
+    for nodes in (500, 2000):
+        path = tmp_path / "tube.vtu"
+        status, out, err = run(capsys, "mesh", "--length", 20, "--radius", 2, "--nodes", nodes, "--out", path)
+        assert (status, err) == (0, "")
+        table = table_of(out)
+        assert list(table.columns) == SHAPE
+        row, read = table.iloc[0], read_mesh(path, 20.0)
+        assert (row.nodes, row.triangles) == (read.count, len(read.triangles))
+        assert row.nodes == pytest.approx(nodes, rel=0.1)
+        assert (row.area, row.volume) == pytest.approx((read.area, read.volume), rel=1e-6)
+        assert row.quality_mean <= row.quality_worst < 3.6
+        assert row["E"] == pytest.approx(0.25 / 4, rel=1e-4)  # (1/2)^2 at radius 1
+        errors.append((1 - row.area / (2 * np.pi * 2 * 20), 1 - row.volume / (np.pi * 4 * 20)))
+    (area, volume), (finer_area, finer_volume) = errors
+    assert area / finer_area == pytest.approx(4, rel=0.2)
+    assert volume / finer_volume == pytest.approx(4, rel=0.2)
+    assert finer_volume > 0
+
+
+@pytest.mark.parametrize("name", ["pearl", "ring0", "coil0", "buckle", "mixed"])
+def test_a_shape_of_a_branch_of_any_family_becomes_an_equilibrium(capsys, shapes, tmp_path, name):
+    """Vertices on the shape, then the discrete equilibrium: its own multipliers, energy and growth rate are the branch's."""
+    end = load(shapes[name]).points[-1]
+    exact = end.observables
+    status, out, _ = run(capsys, "mesh", "--from", shapes[name], "--nodes", 700, "--plot", tmp_path / "m.png")
+    assert status == 0
+    given = table_of(out).iloc[0]
+    assert given["E"] == pytest.approx(exact["E"], rel=2e-3, abs=1e-5)
+    assert given.volume == pytest.approx(np.pi * exact["L"] * exact["v"], rel=0.02)
+    assert (tmp_path / "m.png").read_bytes().startswith(b"\x89PNG\r\n")
+    status, out, _ = run(capsys, "mesh", "--from", shapes[name], "--nodes", 700, "--solve", "--out", tmp_path / "m.ply")
+    assert status == 0
+    table = table_of(out)
+    assert list(table.columns) == SHAPE + EQUILIBRIUM
+    row = table.iloc[0]
+    assert row.v == pytest.approx(exact["v"], abs=1e-11)
+    for column in ("lambda1", "lambda2"):
+        assert row[column] == pytest.approx(exact[column], rel=2e-3)
+    assert row["E"] == pytest.approx(exact["E"], rel=1e-3, abs=1e-5)
+    assert row.n_unstable == end.spectrum.n_unstable
+    assert row.mu_crit == pytest.approx(end.spectrum.mu_crit, rel=0.05, abs=2e-3)
+    read = read_mesh(tmp_path / "m.ply", exact["L"])
+    assert (read.area, read.volume) == pytest.approx((row.area, row.volume), rel=1e-6)
+
+
+def test_points_are_chosen_in_the_user_s_unit_of_length(capsys, shapes):
+    """lambda2 = -0.48 at radius 1 is -0.06 at radius 2; what is written scales by its powers of length."""
+    common = ["mesh", "--from", shapes["pearl"], "--nodes", 300, "--solve"]
+    one = table_of(run(capsys, *common, "--point", "lambda2=-0.48")[1]).iloc[0]
+    two = table_of(run(capsys, *common, "--point", "lambda2=-0.06", "--radius", 2)[1]).iloc[0]
+    powers = {"area": 2, "volume": 3, "c0": -1, "L": 1, "E": -2, "lambda1": -2, "lambda2": -3, "v": 0, "amplitude": 1,
+              "r_min": 1, "r_max": 1, "mu_crit": -4, "quality_worst": 0}  # fmt: skip
+    for name, power in powers.items():
+        assert two[name] == pytest.approx(one[name] * 2.0**power, rel=1e-7), name
+
+
+def test_a_point_of_a_branch_on_a_mesh_has_its_own_triangles(capsys, saved, tmp_path):
+    """The saved coil of 500 nodes: the mesh is the branch's, and so is the equilibrium."""
+    last = load(saved[0]).points[-1]
+    status, out, _ = run(capsys, "mesh", "--from", saved[0], "--solve", "--out", tmp_path / "c.obj")
+    assert status == 0
+    row = table_of(out).iloc[0]
+    assert row.nodes == last.point.problem.mesh.count
+    assert row.lambda2 == pytest.approx(last.observables["lambda2"], rel=1e-10)
+    assert row.mu_crit == pytest.approx(last.spectrum.mu_crit, rel=1e-6)
+    assert read_mesh(tmp_path / "c.obj", 10.0).count == row.nodes
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ([], "--length, --from"),
+        (["--length", "0"], "--length"),
+        (["--length", "10", "--nodes", "4"], "--nodes"),
+        (["--length", "10", "--radius", "-1"], "--radius"),
+        (["--length", "10", "--solve"], "--solve"),
+        (["--length", "10", "--point", "A2"], "--point"),
+        (["--length", "10", "--out", "tube.stl"], "--out"),
+        (["--length", "10", "--out", "no/such/folder/tube.vtu"], "--out"),
+        (["--from", "none.h5"], "--from"),
+        (["--from", "{buckle}", "--c0", "1"], "--c0"),
+        (["--from", "{buckle}", "--point", "A2"], "--point"),
+        (["--from", "{buckle}", "--point", "99"], "--point"),
+        (["--from", "{buckle}", "--point", "v=0.2"], "--point"),
+        (["--from", "{buckle}", "--point", "0", "--solve"], "--point"),
+        (["--from", "{mesh}", "--nodes", "500"], "--nodes"),
+        (["--from", "{mesh}", "--discretization", "cotangent"], "--discretization"),
+        (["--from", "{mesh}", "--plot", "{mesh}"], "--plot"),
+    ],
+)
+def test_mistakes_of_mesh_are_one_line(capsys, monkeypatch, tmp_path, shapes, saved, arguments, name):
+    monkeypatch.chdir(tmp_path)
+    paths = {key: str(path) for key, path in shapes.items()} | {"mesh": str(saved[0])}
+    status, out, err = run(capsys, "mesh", *(word.format(**paths) for word in arguments))
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith(f"pearlbvp: {name}: ")
+    assert "; " in err
