@@ -7,6 +7,7 @@ are ``s^4`` times those in the flow's own units.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -30,6 +31,7 @@ from pearlbvp.tube.isotropy import NEGLIGIBLE, StandardPosition, standard_positi
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import PLANE_TOLERANCE, TubeProblem
 from pearlbvp.tube.spectrum import Fixed
+from pearlbvp.tube.symmetry import TubeSymmetry
 
 FEWEST_WAVES = 8
 """Periods or folds that a tube has at first; more are taken where the shape needs them."""
@@ -90,14 +92,7 @@ def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[
     found, symmetry = end.observables, position.symmetry
     scale = found["area"]
     known = {mode: value / scale for mode, value in position.known.items()}
-    tall = [mode for mode, value in known.items() if abs(value) > NEGLIGIBLE]
-    along, around = (
-        max(FEWEST_WAVES, *(int(number) // unit for number in numbers)) if unit else 0
-        for unit, numbers in (
-            (symmetry.period, [mode.p for mode in tall]),
-            (symmetry.fold, [mode.harmonic for mode in tall]),
-        )
-    )
+    along, around = _size(known, symmetry)
     tolerance = PLANE_TOLERANCE if along and around else TubeProblem.tolerance
     problem = TubeProblem(
         symmetry, end.problem.c0 * scale, end.problem.length / scale, (along, around), tolerance=tolerance, fixed=fixed
@@ -115,6 +110,16 @@ def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[
     if abs(energy - found["E"] * scale**2) > UNLIKE * abs(energy):
         raise InputError("flow: Newton's method left its end for another equilibrium; let it flow on more modes")
     return problem, u
+
+
+def _size(known: Mapping[Mode, float], symmetry: TubeSymmetry) -> tuple[int, int]:
+    """Periods and folds whose ellipse of modes holds all that are not negligible."""
+    units = np.array([symmetry.period, symmetry.fold])
+    numbers = np.array([(mode.p, mode.harmonic) for mode, value in known.items() if abs(value) > NEGLIGIBLE])
+    most = np.maximum(numbers.max(axis=0) / np.maximum(units, 1), FEWEST_WAVES)
+    farthest = np.hypot(*(numbers / np.maximum(units, 1) / most).T).max()
+    along, around = np.where(units, np.ceil(most * max(farthest, 1.0)), 0)
+    return int(along), int(around)
 
 
 def _at_its_volume(problem: TubeProblem, u: Array) -> Array:
