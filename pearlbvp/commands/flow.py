@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     epilog="Examples:  pearlbvp flow --from b.h5 --point A2 --perturb bump --delta -0.125 --out f.csv --plot f.png  |  "
     "pearlbvp flow --from b.h5 --point v=1.02 --perturb critical --delta 0.02 --keep --movie f.gif  |  "
     "pearlbvp flow --family buckle --c0 0 --length 10 --point C --perturb critical --delta 0.3 --plot c.png  |  "
-    "pearlbvp flow --resume f.h5 --time 100"
+    "pearlbvp flow --resume f.h5 --time 100 --save-end e.h5"
 )
 @click.option(
     "--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of any family."
@@ -58,6 +58,8 @@ if TYPE_CHECKING:
 )
 @click.option("--max-seconds", type=Number(), default=600.0, show_default=True, help="Give up after so long.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the flow, also on the way.")
+@click.option("--save-end", type=click.Path(path_type=Path), metavar="FILE.h5",
+              help="Save the shape it rests on as a branch of one point, for pearlbvp branch --resume.")  # fmt: skip
 @click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved flow.")
 @click.option("--movie", type=click.Path(path_type=Path), metavar="FILE.gif", help="Write a movie.")
 @outputs
@@ -65,6 +67,7 @@ def flow(
     source: Path | None,
     resume: Path | None,
     save: Path | None,
+    save_end: Path | None,
     movie: Path | None,
     out: Path | None,
     plot: Path | None,
@@ -76,7 +79,8 @@ def flow(
     """Let a perturbed shape of a branch flow at fixed area and volume, until it rests on a stable shape.
 
     Columns: t, E, lambda1, lambda2, area_error, volume_error (relative), velocity (the largest along the normal),
-    v, amplitude, r_min, r_max; a row for every accepted step. How the flow ends goes to standard error.
+    v, amplitude, r_min, r_max; a row for every accepted step. How the flow ends goes to standard error: on which
+    shape it rests, and how stable that is to all perturbations of this tube.
     """
     from pearlbvp.files import writable, write_whole
     from pearlbvp.studies import saved
@@ -94,9 +98,10 @@ def flow(
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
     movie = None if movie is None else writable("--movie", movie)
+    save_end = None if save_end is None else writable("--save-end", save_end)
     read = {"--from": source, "--resume": resume, "--profile": start["profile"]}
-    for outputs_and_inputs in ({**read, "--out": out, "--plot": plot, "--movie": movie},
-                               {"--from": source, "--out": out, "--plot": plot, "--movie": movie, "--save": save}):  # fmt: skip
+    written = {"--out": out, "--plot": plot, "--movie": movie, "--save-end": save_end}
+    for outputs_and_inputs in ({**read, **written}, {"--from": source, **written, "--save": save}):
         check_distinct(
             {name: None if p is None else Path(os.path.realpath(p)) for name, p in outputs_and_inputs.items()}
         )
@@ -146,15 +151,10 @@ def flow(
     write(table, out, plot, draw)
     advice = f"; {result.advice}" if result.advice else ""
     print(f"pearlbvp: {result.status}: {result.reason}{advice}", file=sys.stderr)
-    if (
-        result.equilibrium is not None
-        and result.equilibrium.converged
-        and result.equilibrium.problem.to_tree()["kind"] == "graph"
-    ):
-        _say_stability(study, result.equilibrium)
+    whole = _say_end(result, save_end)
     if result.status == "interrupted":
         return INTERRUPTED
-    return DONE if result.complete else SOME_FAILED
+    return DONE if result.complete and whole else SOME_FAILED
 
 
 PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}
@@ -195,14 +195,30 @@ def _refuse_idle(given: set[str], start: dict[str, Any]) -> None:
             raise InputError(f"--{found[0].replace('source', 'from')}: {why}")
 
 
-def _say_stability(study: Any, end: Any) -> None:
-    """Stability of an axisymmetric end to all perturbations, on standard error."""
+def _say_end(result: Any, save_end: Path | None) -> bool:
+    """What a flow rests on, and its stability to all perturbations, on standard error; saved where that was asked for.
+
+    Returns:
+        Whether all that was asked for was done.
+    """
+    from pearlbvp.studies import saved
+    from pearlbvp.studies.flow_end import described, end_branch
+
     try:
-        spectrum = study.stability(end)
-    except InputError:  # an end that is no point of a branch: the flow's own word stands
-        return
+        branch = end_branch(result)
+    except InputError as error:  # an end that is no point of a branch: the flow's own word stands
+        if save_end is not None:
+            print(f"pearlbvp: {str(error).replace('flow:', '--save-end:', 1)}", file=sys.stderr)
+        return save_end is None
+    spectrum = branch.points[0].spectrum
     counted = f"n_unstable = {spectrum.n_unstable}, mu_crit = {spectrum.mu_crit:.4g} ({spectrum.critical})"
-    print(f"pearlbvp: to all perturbations of this tube: {counted}", file=sys.stderr)
+    print(
+        f"pearlbvp: {described(result.equilibrium)}; to all perturbations of this tube: {counted}",
+        file=sys.stderr,
+    )
+    if save_end is not None:
+        saved.save(branch, save_end)
+    return True
 
 
 def _start(

@@ -56,6 +56,19 @@ def recognized(end: Equilibrium) -> StandardPosition:
     return standard_position(end.problem.known(end.q), end.problem.length)
 
 
+def described(end: Equilibrium) -> str:
+    """What the end of a flow is, in a few words: ``a right-handed coil``."""
+    if not isinstance(end.problem, TubeFlow):
+        return "an axisymmetric tube"
+    position = recognized(end)
+    hand = {1: "right-handed ", -1: "left-handed ", 0: ""}[position.handedness]
+    return {
+        "cylinder": "the straight tube",
+        "ring": f"a ring of {position.symmetry.fold} lobes",
+        "pearl": "an axisymmetric tube",
+    }.get(position.family, f"a {hand}{position.family}{' tube' if position.family == 'mixed' else ''}")
+
+
 def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem, Array]:
     """The end of a flow as a point of a branch of its family, by Newton's method in the space of its symmetry.
 
@@ -234,7 +247,10 @@ def end_point(result: FlowResult, *, upwards: bool = True) -> Point[Any]:
         raise InputError(f"flow: it ended as {result.status!r} and is no equilibrium; let it rest first")
     problem, u = solution_of(result.equilibrium)
     direction = _by_volume(u) if upwards else -_by_volume(u)
-    return start_point(problem, u, tangent_along(problem, u, direction))
+    try:
+        return start_point(problem, u, tangent_along(problem, u, direction))
+    except np.linalg.LinAlgError:
+        raise InputError("flow: its end is just where volume turns along its branch; let another shape flow") from None
 
 
 def continued(result: FlowResult, options: BranchOptions | None = None, *, upwards: bool = True) -> Branch[Any]:
