@@ -39,7 +39,7 @@ def tubes(c0, family, mode, v):
 def mixed():
     """Between coils and buckles at c0 = 0.48, in the coils' turning frame."""
     coils = tube_branch(0.48, 10.0, "coil", (1, 1), branch_options({"v": 0.905}))
-    return tube_switched(coils, 1, branch_options(max_points=3)).points[-1]
+    return tube_switched(coils, 1, branch_options({"v": 0.9105})).points[-1]
 
 
 @cache
@@ -134,6 +134,29 @@ def test_the_standard_position_and_the_motion_from_it_are_the_tube(entry, size, 
     np.testing.assert_allclose(surface_points(start.problem, q, x, phi), moved, atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "generators", [(), (1,), (2,), (3,), (9,), (6,), (14,), (12,), (11, 4), (10, 5), (1, 8), (9, 6)]
+)
+@pytest.mark.parametrize(("period", "fold", "turns"), [(1, 1, 0), (2, 1, 1)])
+def test_no_symmetry_is_overlooked(generators, period, fold, turns):
+    """Sums of random modes of any group, moved anyhow: never more modes than they were made of."""
+    group = {0}
+    for element in (*generators, *((3,) if turns else ())):
+        group |= {element ^ other for other in group}
+    symmetry = TubeSymmetry(period, fold, turns, frozenset(group))
+    rng = np.random.default_rng(sum(generators))
+    known = {
+        mode: 0.3 * rng.normal() * np.exp(-np.hypot(mode.p / period, mode.harmonic)) for mode in symmetry.modes((3, 3))
+    }
+    tube = TorusFunction.of(known | {Mode("sigma", 0): 1.0}).in_frame(-turns).moved(*rng.uniform(0, 6, 2))
+    found = standard_position((tube.mirrored() if generators else tube).modes(), 7.0)
+    # Modes of a finer lattice have more parities: what counts is how many of all modes there are.
+    share = len(found.symmetry.group) / (found.symmetry.period * found.symmetry.fold)
+    assert share <= len(group) / (period * fold)
+    inside = set(found.symmetry.modes((20, 20)))
+    assert max(abs(value) for mode, value in found.known.items() if mode not in inside) < 1e-9
+
+
 def test_turning_frames_are_shears_of_the_torus():
     """Modes of a turning frame that depend on x, by the formula of the frame, and as modes at rest."""
     flow, turns = TubeFlow(0.0, 9.0, (9, 4)), 2
@@ -215,6 +238,21 @@ def test_a_buckle_flows_to_coils_of_either_handedness():
         assert stability(end).mu_crit == pytest.approx(coil.spectrum.mu_crit, abs=1e-8)
         assert stability(end).n_unstable == 0
     assert sorted(hands) == [-1, 1]
+
+
+def test_an_unstable_coil_flows_to_the_stable_tubes_between_coils_and_buckles():
+    there, coil = mixed(), tubes(0.48, "coil", (1, 1), 0.9105)
+    assert (there.spectrum.n_unstable, coil.spectrum.n_unstable) == (0, 2)
+    start = tube_start(coil.point.problem, coil.point.u, size=(9, 9))
+    result = start.flow(start.perturbed("critical", 0.1, keep=True), FlowOptions(resolution=1e-3, max_seconds=60))
+    assert result.status == "steady"
+    assert recognized(result.equilibrium).family == "mixed"
+    problem, u = solution_of(result.equilibrium)
+    for name in SAME:
+        assert problem.observables(u)[name] == pytest.approx(there.observables[name], abs=1e-10)
+    spectrum = problem.spectrum(u)
+    assert spectrum.mu_crit == pytest.approx(there.spectrum.mu_crit, abs=1e-8)
+    assert spectrum.n_unstable == 0
 
 
 def test_the_branch_goes_on_from_the_end_of_a_flow_and_from_its_file(tmp_path):
