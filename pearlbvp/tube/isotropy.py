@@ -22,16 +22,13 @@ from pearlbvp.tube.symmetry import ODD_B, ODD_P, ODD_PHI, ODD_X, PARITIES, TubeS
 from pearlbvp.tube.torus import Complex, Integers, TorusFunction
 
 NEGLIGIBLE = 1e-6
-"""Coefficients, in radii, below which a symmetry is not broken: those of an equilibrium are zero to some 1e-10."""
+"""Coefficients of waves, in radii, below which they are zero: those of an equilibrium are exact to some 1e-10."""
 
-STRONGEST = 8
-"""Waves by which positions are tried, two at a time."""
+BREAKING = 4 * NEGLIGIBLE
+"""Coefficients of modes beyond which they break a symmetry: of two equal waves just at ``NEGLIGIBLE`` one alone may count."""
 
-LARGEST_DETERMINANT = 12
-"""Of two waves' numbers: the places where both are real are four times as many."""
-
-SHIFTS = ((0, 1), (0, -1))
-"""Waves of shifts across the axis, which say nothing of the shape."""
+STRONGEST, LARGEST_DETERMINANT = 8, 4
+"""Waves by which positions are tried, two at a time, and the largest area of the cell that their numbers span."""
 
 
 @dataclass(frozen=True)
@@ -75,35 +72,33 @@ class StandardPosition:
         return 0 if not self.symmetry.turns else -1 if self.mirrored else 1
 
 
-def standard_position(known: Mapping[Mode, float], length: float, tolerance: float = NEGLIGIBLE) -> StandardPosition:
+def standard_position(known: Mapping[Mode, float], length: float) -> StandardPosition:
     """Recognize the symmetry of a tube that lies anyhow.
 
     Args:
         known: coefficients of its modes, in a frame at rest, their wave numbers in units of ``2 pi/length``.
         length: the tube's.
-        tolerance: coefficients below this are zero.
     """
     given = TorusFunction.of(known)
-    turns = _frame(_shape(given, tolerance))
-    mirrored = turns < 0
-    seen = (given.mirrored() if mirrored else given).in_frame(abs(turns))
-    shape = _shape(given.mirrored() if mirrored else given, tolerance).in_frame(abs(turns))
-    period, fold = _hull(shape)
-    along, around, group = _position(shape, period, fold, abs(turns))
-    placed = _gauged(seen.moved(along, around), abs(turns))
+    turns = _frame(_shape(given))
+    mirrored, turns = turns < 0, abs(turns)
+    seen = (given.mirrored() if mirrored else given).in_frame(turns)
+    period, fold, along, around, group = _position(seen, turns)
+    placed = _gauged(seen.moved(along, around), turns)
     # At rest, a shift of the turning frame's function is one that turns with it.
-    turn = (around + abs(turns) * along) * (-1 if mirrored else 1)
-    centre = 2 * placed.at(-abs(turns), -1)
+    turn = (around + turns * along) * (-1 if mirrored else 1)
+    centre = 2 * placed.at(-turns, -1)
     across = 2 * given.at(0, -1) - np.exp(1j * turn) * (centre.conjugate() if mirrored else centre)
-    symmetry = TubeSymmetry(period, fold, abs(turns), group)
     shift = math.remainder(along, 2 * math.pi) * length / (2 * math.pi)
     turn = math.remainder(turn, 2 * math.pi)
+    symmetry = TubeSymmetry(period, fold, turns, group)
     return StandardPosition(symmetry, placed.modes(), shift, turn, (float(across.real), float(across.imag)), mirrored)
 
 
-def _shape(given: TorusFunction, tolerance: float) -> TorusFunction:
-    """The waves that say something of the shape: neither the mean radius nor shifts across the axis."""
-    return given.larger_than(tolerance).without((0, 0), *SHIFTS)
+def _shape(seen: TorusFunction, turns: int = 0) -> TorusFunction:
+    """The waves that say something of the shape, one of each pair: neither the mean radius nor shifts across the axis."""
+    shape = seen.larger_than(NEGLIGIBLE).without((0, 0), (turns, 1), (-turns, -1))
+    return shape.kept((shape.p > 0) | ((shape.p == 0) & (shape.b > 0)))
 
 
 def _hull(shape: TorusFunction) -> tuple[int, int]:
@@ -126,71 +121,72 @@ def _frame(shape: TorusFunction) -> int:
     Its variation, ``sum of p^2 |c|^2``, is quadratic in the turns. Reflections at rest make it symmetric: then 0 is the least.
     """
     weights = np.abs(shape.c) ** 2
-    bent = float(weights @ shape.b**2)
-    best = -float(weights @ (shape.p * shape.b)) / bent if bent else 0.0
-    variation = {
-        turns: float(weights @ shape.in_frame(turns).p ** 2) for turns in {0, math.floor(best), math.ceil(best)}
-    }
-    slack = 1e-9 * variation[0]  # of two alike the slower
+    by_turns, bent = float(weights @ (shape.p * shape.b)), float(weights @ shape.b**2)
+    best = -by_turns / bent if bent else 0.0
+    at_rest = float(weights @ shape.p**2) or 1.0
 
     def badness(turns: int) -> tuple[bool, float, int, int]:
-        likeness = round(variation[turns] / slack) * slack if slack else 0.0
-        return not _is_rectangular(shape.in_frame(turns)), likeness, abs(turns), -turns
+        seen = shape.in_frame(turns)
+        variation = round(float(weights @ seen.p**2) / at_rest, 9)  # of two alike, the slower frame
+        return not _is_rectangular(seen), variation, abs(turns), -turns
 
-    return min(variation, key=badness)
+    return min({0, math.floor(best), math.ceil(best)}, key=badness)
 
 
-def _position(shape: TorusFunction, period: int, fold: int, turns: int) -> tuple[float, float, frozenset[int]]:
-    """Angles ``k x`` and ``phi`` of the point that becomes the origin, and the group that the features then generate.
+def _position(seen: TorusFunction, turns: int) -> tuple[int, int, float, float, frozenset[int]]:
+    """Period and fold, angles ``k x`` and ``phi`` of the point that becomes the origin, the group that the features generate.
 
     Where a tube has reflections, its strongest waves are real, or imaginary, about their planes.
     """
-    half = (shape.p > 0) | ((shape.p == 0) & (shape.b > 0))
-    p, b, c = shape.p[half], shape.b[half], shape.c[half]
-    places = _candidates(p, b, c)
-    turned = c * np.exp(1j * (places[:, :1] * p + places[:, 1:] * b))  # (candidates, waves)
-    groups = [_closure(found, turns) for found in _features(p, b, turned, period, fold)]
+    shape = _shape(seen, turns)
+    period, fold = _hull(shape)
+    units = np.maximum([period, fold], 1)
+    i, a = shape.p // units[0], shape.b // units[1]  # periods and folds
+    places = _candidates(i, a, shape.c)
+    turned = shape.c * np.exp(1j * (places[:, :1] * i + places[:, 1:] * a))  # (candidates, waves)
+    groups = [_closure(found, turns) for found in _features(i, a, turned)]
     # Of equal groups the one whose elements are smallest: modes that are cosines both ways, their sum positive.
     order = [
         (len(group), sorted(group), -float(row)) for group, row in zip(groups, turned.real.sum(axis=1), strict=True)
     ]
     best = min(range(len(order)), key=order.__getitem__)
-    return float(places[best, 0]), float(places[best, 1]), groups[best]
+    along, around = (float(angle) for angle in places[best] / units)
+    return period, fold, along, around, groups[best]
 
 
-def _candidates(p: Integers, b: Integers, c: Complex) -> Array:
+def _candidates(i: Integers, a: Integers, c: Complex) -> Array:
     """Places where two of the strongest waves are real; where all are waves of one direction, one of them. Shape (C, 2)."""
     found = [np.zeros((1, 2))]
     strongest = np.argsort(-np.abs(c))[:STRONGEST]
-    for i, j in combinations(strongest, 2):
-        determinant = int(p[i] * b[j] - p[j] * b[i])
+    for m, n in combinations(strongest, 2):
+        determinant = int(i[m] * a[n] - i[n] * a[m])
         if 0 < abs(determinant) <= LARGEST_DETERMINANT:
             halves = np.arange(2 * abs(determinant)) * math.pi
-            first, second = (t.ravel() for t in np.meshgrid(halves - np.angle(c[i]), halves - np.angle(c[j])))
-            found.append(np.column_stack((b[j] * first - b[i] * second, p[i] * second - p[j] * first)) / determinant)
+            first, second = (t.ravel() for t in np.meshgrid(halves - np.angle(c[m]), halves - np.angle(c[n])))
+            found.append(np.column_stack((a[n] * first - a[m] * second, i[m] * second - i[n] * first)) / determinant)
     if len(found) == 1 and len(strongest):
-        one = strongest[0]
-        number = p[one] or b[one]
-        places = (np.arange(2 * abs(number)) * math.pi - np.angle(c[one])) / number
-        found = [np.column_stack((places, 0 * places) if p[one] else (0 * places, places))]
+        m = strongest[0]
+        number = i[m] or a[m]
+        places = (np.arange(2 * abs(number)) * math.pi - np.angle(c[m])) / number
+        found = [np.column_stack((places, 0 * places) if i[m] else (0 * places, places))]
     return np.concatenate(found)
 
 
-def _features(p: Integers, b: Integers, turned: Complex, period: int, fold: int) -> list[set[int]]:
+def _features(i: Integers, a: Integers, turned: Complex) -> list[set[int]]:
     """Features of the modes that a function has at each of some places, its waves given on half of the plane."""
-    classes, place = np.unique(np.column_stack((p, np.abs(b))), axis=0, return_inverse=True)
+    classes, place = np.unique(np.column_stack((i, np.abs(a))), axis=0, return_inverse=True)
     forward, backward = np.zeros((2, len(turned), len(classes)), dtype=complex)
-    forward[:, place[b >= 0]] = turned[:, b >= 0]
-    backward[:, place[b < 0]] = turned[:, b < 0].conj()  # of (-p, |b|)
+    forward[:, place[a >= 0]] = turned[:, a >= 0]
+    backward[:, place[a < 0]] = turned[:, a < 0].conj()  # of (-i, |a|)
     alike, unlike = forward + backward, forward - backward
-    # Coefficients of cos cos, sin cos, cos sin, sin sin: a sum over both signs of both numbers.
+    # Coefficients of cos cos, sin cos, cos sin, sin sin: sums over both signs of both numbers.
     parts = 2 * np.abs(np.array([alike.real, unlike.imag, alike.imag, unlike.real]))
     flat = classes == 0
     parts[[1, 3]] *= ~flat[:, 0]
     parts[[2, 3]] *= ~flat[:, 1]
-    odd = classes // np.maximum([period, fold], 1) % 2 @ [ODD_P, ODD_B]
+    odd = classes % 2 @ [ODD_P, ODD_B]
     kinds = np.array([0, ODD_X, ODD_PHI, PARITIES])
-    return [set((kinds[:, None] | odd)[part > NEGLIGIBLE].tolist()) for part in np.moveaxis(parts, 1, 0)]
+    return [set((kinds[:, None] | odd)[part > BREAKING].tolist()) for part in np.moveaxis(parts, 1, 0)]
 
 
 def _closure(features: set[int], turns: int) -> frozenset[int]:

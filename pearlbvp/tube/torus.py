@@ -88,12 +88,14 @@ class TorusFunction:
         """One coefficient."""
         return complex(self.c[(self.p == p) & (self.b == b)].sum())
 
+    def kept(self, which: NDArray[np.bool_]) -> TorusFunction:
+        """Some of its waves."""
+        return TorusFunction(self.p[which], self.b[which], self.c[which])
+
     def without(self, *waves: tuple[int, int]) -> TorusFunction:
         """Without some waves."""
-        kept = ~np.any([(self.p == p) & (self.b == b) for p, b in waves], axis=0)
-        return TorusFunction(self.p[kept], self.b[kept], self.c[kept])
+        return self.kept(~np.any([(self.p == p) & (self.b == b) for p, b in waves], axis=0))
 
     def larger_than(self, tolerance: float) -> TorusFunction:
         """Its waves of more than some size."""
-        kept = np.abs(self.c) > tolerance
-        return TorusFunction(self.p[kept], self.b[kept], self.c[kept])
+        return self.kept(np.abs(self.c) > tolerance)
