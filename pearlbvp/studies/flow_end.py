@@ -263,7 +263,9 @@ def continued(result: FlowResult, options: BranchOptions | None = None, *, upwar
 
 
 def end_branch(result: FlowResult) -> Branch[Any]:
-    """The end of a flow as a branch of one point, to be saved (``studies.saved``) and resumed.
+    """The end of a flow as a branch of one point, whole as it is: to be saved, and resumed towards either side.
+
+    ``studies.saved.resumed`` follows it to where the first wanted value lies, without one towards larger volume.
 
     Raises:
         InputError: as ``end_point``.
@@ -271,4 +273,4 @@ def end_branch(result: FlowResult) -> Branch[Any]:
     point = end_point(result)
     special: list[SpecialPoint[Any]] = [SpecialPoint("start", 0), SpecialPoint("end", 0)]
     entry = BranchPoint(point, point.problem.spectrum(point.u))
-    return Branch([entry], special, "it is the end of a flow; resume it", complete=False)
+    return Branch([entry], special, "it is the end of a flow", complete=True)

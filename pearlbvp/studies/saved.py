@@ -8,10 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch
-from pearlbvp.continuation.path import Point
 from pearlbvp.continuation.storage import read_branch, write_branch
 from pearlbvp.errors import InputError
 from pearlbvp.files import writable, write_whole
@@ -78,35 +75,22 @@ def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     if kind_of(branch) == "ring":
         return rings.ring_resumed(branch, options)
     whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
-    last = branch.points[-1]
-    if len(branch.points) > 1 or _is_bifurcation(last):
-        further = continue_branch(last.point, whole, at_bifurcation=len(branch.points) == 1)
-    else:  # where a flow ended: it has no direction yet
-        start = _towards(last.point, options.until)
-        branch = Branch([replace(last, point=start)], branch.special, branch.reason, branch.complete)
-        further = continue_branch(start, whole)
-    return branch.extended(further)
+    if len(branch.points) == 1 and branch.complete:  # where a flow ended: it has no direction yet
+        branch = replace(branch, points=[_towards(branch.points[0], options.until)])
+        return branch.extended(continue_branch(branch.points[0].point, whole))
+    at_bifurcation = len(branch.points) == 1
+    return branch.extended(continue_branch(branch.points[-1].point, whole, at_bifurcation=at_bifurcation))
 
 
-def _is_bifurcation(start: BranchPoint[Any]) -> bool:
-    """Whether a branch leaves another at its first point: a growth rate of its own kind is zero there."""
-    rates = start.spectrum.rates.get(start.point.problem.own_block, np.zeros(0))
-    return bool((np.abs(rates) < NEUTRAL).any())
-
-
-NEUTRAL = 1e-6
-"""Growth rates below this, at the first point of a branch, are those of the bifurcation that it starts at."""
-
-
-def _towards(point: Point[Any], until: Mapping[str, float]) -> Point[Any]:
+def _towards(entry: BranchPoint[Any], until: Mapping[str, float]) -> BranchPoint[Any]:
     """A point with its tangent turned to where the first of some wanted values lies, if it is not one of stability."""
+    point = entry.point
     for name, value in until.items():
         if name in point.observables:
             ahead, behind = (point.problem.observables(point.u + s * point.tangent)[name] for s in (1e-5, -1e-5))
-            if (ahead - behind) * (value - point.observables[name]) < 0:
-                return replace(point, tangent=-point.tangent)
-            break
-    return point
+            turned = (ahead - behind) * (value - point.observables[name]) < 0
+            return replace(entry, point=replace(point, tangent=-point.tangent)) if turned else entry
+    return entry
 
 
 def switched(
