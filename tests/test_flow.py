@@ -13,7 +13,8 @@ from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, constrained, flow, resumed
 from pearlbvp.flow.perturbation import displaced
 from pearlbvp.studies.branch import branch_options, pearl_branch, shape_branch, switched
-from pearlbvp.studies.flow import continued, load, pearls_of, save, stability
+from pearlbvp.studies.flow import load, save
+from pearlbvp.studies.flow_end import continued, pearls_of, stability
 from pearlbvp.studies.flow_start import pearl_start
 from pearlbvp.studies.point import chosen
 from pearlbvp.theory.dispersion import growth_rate

@@ -220,3 +220,36 @@ def test_flows_do_not_start_from_meshes(capsys, tmp_path):
     status, out, err = run(capsys, "flow", "--from", str(tmp_path / "m.h5"))
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert err.startswith("pearlbvp: --from: ")
+
+
+def test_the_end_of_a_flow_becomes_a_branch(capsys, folder):
+    end = folder / "end.h5"
+    status, _, err = run(
+        capsys, "flow", "--family", "coil", "--c0", "0", "--length", "10", "--point", "v=0.92", "--perturb", "none",
+        "--size", "8,8", "--out", str(folder / "e.csv"), "--save-end", str(end),
+    )  # fmt: skip
+    assert status == 0
+    assert "a right-handed coil; to all perturbations of this tube: n_unstable = 0" in err
+    status, out, err = run(capsys, "branch", "coil", "--resume", str(end), "--until", "v=0.9")
+    assert (status, err) == (0, "")
+    there = tube_branch(0.0, 10.0, "coil", (1, 1), branch_options({"v": 0.9})).points[-1]
+    last = pd.read_csv(io.StringIO(out)).iloc[-1]
+    for name in ("v", "E", "lambda1", "lambda2"):
+        assert last[name] == pytest.approx(there.observables[name], abs=1e-10)
+    assert last["n_unstable"] == there.spectrum.n_unstable
+
+
+def test_a_flow_that_does_not_rest_has_no_end_to_save(capsys, folder):
+    end = folder / "none.h5"
+    status, out, err = run(
+        capsys, "flow", "--from", str(folder / "b.h5"), "--point", "v=1.015", "--time", "0.01", "--save-end", str(end)
+    )
+    assert status == 1
+    assert out.startswith("t,E")
+    assert "--save-end: it ended as 'time'" in err
+    assert not end.exists()
+    status, out, err = run(
+        capsys, "flow", "--from", str(folder / "b.h5"), "--save-end", str(folder / "b.h5"), "--point", "v=1.015"
+    )
+    assert (status, out) == (2, "")
+    assert "--save-end" in err

@@ -13,7 +13,7 @@ from pearlbvp.flow.tube import TubeFlow
 from pearlbvp.studies.branch import branch_options, pearl_branch
 from pearlbvp.studies.flow import load, save
 from pearlbvp.studies.flow_start import pearl_tube_start, tube_start
-from pearlbvp.studies.tube import tube_branch, tube_switched
+from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.dispersion import growth_rate
 from pearlbvp.tube.modes import Basis, Mode
 
@@ -105,7 +105,7 @@ def test_rigid_motions_change_nothing():
         Mode("z", 1, "sin"),
     ]
     q = q + problem.coordinates(few, np.array([0.1, 0.05, 0.03, 0.2, -0.15]), 2 * np.pi / 9)
-    motions = problem.kernels(q)
+    motions = problem.kernels(q, np.zeros(2))
     motions /= np.linalg.norm(motions, axis=1)[:, None]
     _, gradients = problem._variations(problem._fields(q))
     assert np.abs(gradients).max() > 1e-2
@@ -211,10 +211,3 @@ def test_waves_are_added_saved_and_drawn(tmp_path):
 def test_mistakes(call, name):
     with pytest.raises(InputError, match=f"^{name}: "):
         call()
-
-
-def test_a_tube_that_varies_in_a_turning_frame_is_no_start():
-    coils = tube_branch(0.48, 10.0, "coil", (1, 1), branch_options({"v": 0.905}))
-    mixed = tube_switched(coils, 1, branch_options(max_points=2)).points[-1].point
-    with pytest.raises(InputError, match="^point: .*turning frame"):
-        tube_start(mixed.problem, mixed.u)

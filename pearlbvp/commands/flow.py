@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     epilog="Examples:  pearlbvp flow --from b.h5 --point A2 --perturb bump --delta -0.125 --out f.csv --plot f.png  |  "
     "pearlbvp flow --from b.h5 --point v=1.02 --perturb critical --delta 0.02 --keep --movie f.gif  |  "
     "pearlbvp flow --family buckle --c0 0 --length 10 --point C --perturb critical --delta 0.3 --plot c.png  |  "
-    "pearlbvp flow --resume f.h5 --time 100  |  "
+    "pearlbvp flow --resume f.h5 --time 100 --save-end e.h5  |  "
     "pearlbvp flow --c0 0 --length 0.5 --radius 0.05 --point v=1.1 --delta=-0.005 --out f.csv",
 )
 @click.option(
@@ -70,6 +70,8 @@ if TYPE_CHECKING:
 )
 @click.option("--max-seconds", type=Number(), default=600.0, show_default=True, help="Give up after so long.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the flow, also on the way.")
+@click.option("--save-end", type=click.Path(path_type=Path), metavar="FILE.h5",
+              help="Save the shape it rests on as a branch of one point, for pearlbvp branch --resume.")  # fmt: skip
 @click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved flow.")
 @click.option("--movie", type=click.Path(path_type=Path), metavar="FILE.gif", help="Write a movie.")
 @outputs
@@ -78,6 +80,7 @@ def flow(
     source: Path | None,
     resume: Path | None,
     save: Path | None,
+    save_end: Path | None,
     movie: Path | None,
     out: Path | None,
     plot: Path | None,
@@ -90,7 +93,8 @@ def flow(
     """Let a perturbed shape of a branch flow at fixed area and volume, until it rests on a stable shape.
 
     Columns: t, E, lambda1, lambda2, area_error, volume_error (relative), velocity (the largest along the normal),
-    v, amplitude, r_min, r_max; a row for every accepted step. How the flow ends goes to standard error.
+    v, amplitude, r_min, r_max; a row for every accepted step. How the flow ends goes to standard error: on which
+    shape it rests, and how stable that is to all perturbations of this tube.
 
     With --radius all that is given and written is in its unit: the velocity is -dF, of dimension 1/length^3, so times have
     that of length^4 (by --law diffusion of length^6). Saved flows are in radii: give --radius again to resume one.
@@ -113,9 +117,10 @@ def flow(
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
     movie = None if movie is None else writable("--movie", movie)
+    save_end = None if save_end is None else writable("--save-end", save_end)
     read = {"--from": source, "--resume": resume, "--profile": start["profile"]}
-    for outputs_and_inputs in ({**read, "--out": out, "--plot": plot, "--movie": movie},
-                               {"--from": source, "--out": out, "--plot": plot, "--movie": movie, "--save": save}):  # fmt: skip
+    written = {"--out": out, "--plot": plot, "--movie": movie, "--save-end": save_end}
+    for outputs_and_inputs in ({**read, **written}, {"--from": source, **written, "--save": save}):
         check_distinct(
             {name: None if p is None else Path(os.path.realpath(p)) for name, p in outputs_and_inputs.items()}
         )
@@ -165,15 +170,10 @@ def flow(
     advice = f"; {result.advice}" if result.advice else ""
     where = "" if radius == 1 else " (this line is in units of the radius)"
     print(f"pearlbvp: {result.status}: {result.reason}{advice}{where}", file=sys.stderr)
-    if (
-        result.equilibrium is not None
-        and result.equilibrium.converged
-        and result.equilibrium.problem.to_tree()["kind"] == "graph"
-    ):
-        _say_stability(study, result.equilibrium, radius)
+    whole = _say_end(result, save_end, radius)
     if result.status == "interrupted":
         return INTERRUPTED
-    return DONE if result.complete else SOME_FAILED
+    return DONE if result.complete and whole else SOME_FAILED
 
 
 PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}
@@ -226,15 +226,31 @@ def _in_radii(given: set[str], start: dict[str, Any], radius: float) -> None:
     start["radius"] = radius
 
 
-def _say_stability(study: Any, end: Any, radius: float) -> None:
-    """Stability of an axisymmetric end to all perturbations, on standard error."""
+def _say_end(result: Any, save_end: Path | None, radius: float) -> bool:
+    """What a flow rests on, and its stability to all perturbations, on standard error; saved where that was asked for.
+
+    Returns:
+        Whether all that was asked for was done.
+    """
+    from pearlbvp.studies import saved
+    from pearlbvp.studies.flow_end import described, end_branch
+
     try:
-        spectrum = study.stability(end)
-    except InputError:  # an end that is no point of a branch: the flow's own word stands
-        return
-    rate = spectrum.mu_crit / (end.observables["area"] * radius) ** 4  # see there
+        branch = end_branch(result)
+    except InputError as error:  # an end that is no point of a branch: the flow's own word stands
+        if save_end is not None:
+            print(f"pearlbvp: {str(error).replace('flow:', '--save-end:', 1)}", file=sys.stderr)
+        return save_end is None
+    spectrum = branch.points[0].spectrum
+    rate = spectrum.mu_crit / (result.equilibrium.observables["area"] * radius) ** 4  # of the similar shape: studies.flow_end
     counted = f"n_unstable = {spectrum.n_unstable}, mu_crit = {rate:.4g} ({spectrum.critical})"
-    print(f"pearlbvp: to all perturbations of this tube: {counted}", file=sys.stderr)
+    print(
+        f"pearlbvp: {described(result.equilibrium)}; to all perturbations of this tube: {counted}",
+        file=sys.stderr,
+    )
+    if save_end is not None:
+        saved.save(branch, save_end)
+    return True
 
 
 def _start(

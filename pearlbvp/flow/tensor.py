@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from pearlbvp.tube.modes import Mode
 
 Array = NDArray[np.float64]
 
@@ -95,6 +97,15 @@ class Tensor:
         return 2 * self.size[0] + 1, 2 * self.size[1] + 1
 
     @property
+    def modes(self) -> tuple[Mode, ...]:
+        """The functions as modes, in the order of their coefficients: along, then around."""
+        p, b = range(1, self.size[0] + 1), range(2, self.size[1] + 1)
+        along = [(0, "cos"), *((i, "cos") for i in p), *((i, "sin") for i in p)]
+        sections = [(0, "cos"), *((i, "cos") for i in b), *((i, "sin") for i in b)]
+        around: list[Mode] = [Mode("sigma", 0, "cos", i, f) for i, f in sections] + [Mode("y", 0), Mode("z", 0)]
+        return tuple(mode._replace(p=i, along=f) for i, f in along for mode in around)
+
+    @property
     def waves(self) -> tuple[Array, Array]:
         """Wave numbers of the functions along, and around (0 for the centre)."""
         p, b = np.arange(1, self.size[0] + 1), np.arange(2, self.size[1] + 1)
@@ -171,17 +182,3 @@ class Tensor:
         b = np.arange(2, self.size[1] + 1)
         cosine, sine = matrix[:, 1 : count + 1], matrix[:, count + 1 : 2 * count + 1]
         return np.hstack((0 * matrix[:, :1], b * sine, -b * cosine, 0 * matrix[:, -2:]))
-
-    def moved(self, matrix: Array, other: Tensor) -> Array:
-        """The same sum among the functions of another number of waves; those that do not fit are dropped."""
-        result = np.zeros(other.shape)
-        names: list[Any] = [("sigma", int(b), "cos") for b in (0, *range(2, self.size[1] + 1))]
-        names += [("sigma", b, "sin") for b in range(2, self.size[1] + 1)] + [("y", 0, "cos"), ("z", 0, "cos")]
-        rows = [(p, along) for along in ("cos", "sin") for p in range(self.size[0] + 1) if p or along == "cos"]
-        for p, along in rows:
-            for name in names:
-                here = self.row(p, along), self.column(*name)
-                there = other.row(p, along), other.column(*name)
-                if None not in there:
-                    result[there] = matrix[here]
-        return result

@@ -22,6 +22,7 @@ from pearlbvp.flow.spectrum import growth_rates
 from pearlbvp.flow.tensor import DISPLACEMENT, FIELDS, Tensor
 from pearlbvp.tube.density import gradients, hessians
 from pearlbvp.tube.modes import Mode
+from pearlbvp.tube.torus import TorusFunction
 
 THINNEST, STEEPEST = 1e-2, 20.0
 """Radius of a section about its centre, and slope of the surface against the axis, beyond which these modes are left."""
@@ -63,37 +64,42 @@ class TubeFlow:
         """The functions on their grid."""
         return Tensor.of(self.size, self.length)
 
+    @cached_property
+    def modes(self) -> tuple[Mode, ...]:
+        """The modes whose coefficients ``q`` holds, as ``tube.modes`` has them."""
+        return self.tensor.modes
+
+    def packed(self, known: Mapping[Mode, float]) -> Array:
+        """``q`` of known coefficients; the others are 0, and what does not fit into ``size`` is dropped."""
+        return np.array([known.get(mode, 0.0) for mode in self.modes])
+
+    def known(self, q: Array) -> dict[Mode, float]:
+        """The coefficients by mode."""
+        return dict(zip(self.modes, map(float, q), strict=True))
+
     def coordinates(self, modes: Iterable[Mode], coefficients: Array, k: float, kappa: float = 0.0) -> Array:
         """``q`` of a sum of modes as ``tube.modes`` has them; what does not fit into ``size`` is dropped.
 
         Args:
             modes, coefficients: the sum.
             k: unit of the modes' wave numbers.
-            kappa: rate at which their frame turns; such modes must not depend on ``x`` in it.
+            kappa: rate at which their frame turns.
+
+        Raises:
+            InputError: the frame does not turn a whole number of times on the length.
         """
         unit = 2 * np.pi / self.length
-        matrix = np.zeros(self.tensor.shape)
-
-        def add(value: float, p: float, along: str, name: tuple[str, int, str]) -> None:
-            row, column = self.tensor.row(round(p), along), self.tensor.column(*name)
-            if row is not None and column is not None:
-                matrix[row, column] += value
-
-        for mode, value in zip(modes, coefficients, strict=True):
-            p = mode.p * k / unit
-            if kappa == 0:
-                add(value, p, mode.along, (mode.part, mode.b, mode.around))
-                continue
-            turns = max(mode.b, 1) * kappa / unit
-            if mode.part == "sigma":  # cos b(phi - kappa x), or sin
-                other, sign = ("sin", 1.0) if mode.around == "cos" else ("cos", -1.0)
-                add(value, mode.b * kappa / unit, "cos", ("sigma", mode.b, mode.around))
-                add(sign * value, mode.b * kappa / unit, "sin", ("sigma", mode.b, other))
-            else:  # e^{i kappa x}, times i for z
-                there, sign = ("z", 1.0) if mode.part == "y" else ("y", -1.0)
-                add(value, turns, "cos", (mode.part, 0, "cos"))
-                add(sign * value, turns, "sin", (there, 0, "cos"))
-        return matrix.ravel()
+        turns = round(kappa / unit)
+        if abs(kappa / unit - turns) > 1e-9:
+            raise InputError(
+                f"kappa: a frame that turns {kappa / unit:.6g} times on L = {self.length:g} does not fit it; give a multiple "
+                "of 2 pi/L"
+            )
+        known = {
+            mode._replace(p=round(mode.p * k / unit)): float(value)
+            for mode, value in zip(modes, coefficients, strict=True)
+        }
+        return self.packed(TorusFunction.of(known).in_frame(-turns).modes() if turns else known)
 
     def of_radii(self, x: Array, r: Array) -> Array:
         """``q`` of an axisymmetric shape given at evenly spaced places of a period that begin at ``x[0]``."""
@@ -295,7 +301,7 @@ class TubeFlow:
         if (2 * size[0] + 1) * (2 * size[1] + 1) > MOST_MODES:
             return None
         finer = replace(self, size=(size[0], size[1]))
-        return finer, self.tensor.moved(self._matrix(q), finer.tensor).ravel()
+        return finer, finer.packed(self.known(q))
 
     def remeshed(self, q: Array) -> None:
         """Modes fit as long as sections are star-shaped."""

@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.continuation.path import Point
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, constrained, flow
@@ -168,7 +169,7 @@ def profile_start(
 def tube_start(
     problem: TubeProblem, u: Array, *, size: tuple[int, int] = (12, 12), law: Law = "area and volume"
 ) -> FlowStart:
-    """A ring, coil or buckle of a branch among modes without symmetry, polished there.
+    """A ring, coil, buckle or mixed tube of a branch among modes without symmetry, polished there.
 
     Args:
         problem, u: a point of a branch of tubes.
@@ -180,10 +181,6 @@ def tube_start(
     """
     found = problem.observables(u)
     problem, u = problem.released(u, *problem.free)  # c0 and the length may vary on the branch
-    if problem.kappa and problem.symmetry.period:
-        raise InputError(
-            "point: it depends on x in a turning frame, from which flows do not start; take the same shape from the buckles"
-        )
     tube = TubeFlow(problem.c0, problem.length, size, law, found["lambda2"] if law == "area" else 0.0)
     q = tube.coordinates(problem.modes, problem.coefficients(u), problem.k, problem.kappa)
     return _settled(tube, q, found)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pearlbvp.continuation.branch import Branch, BranchOptions, continue_branch
+from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch
 from pearlbvp.continuation.storage import read_branch, write_branch
 from pearlbvp.errors import InputError
 from pearlbvp.files import writable, write_whole
@@ -78,8 +79,22 @@ def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     if kind_of(branch) == "ring":
         return rings.ring_resumed(branch, options)
     whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
+    if len(branch.points) == 1 and branch.complete:  # where a flow ended: it has no direction yet
+        branch = replace(branch, points=[_towards(branch.points[0], options.until)])
+        return branch.extended(continue_branch(branch.points[0].point, whole))
     at_bifurcation = len(branch.points) == 1
     return branch.extended(continue_branch(branch.points[-1].point, whole, at_bifurcation=at_bifurcation))
+
+
+def _towards(entry: BranchPoint[Any], until: Mapping[str, float]) -> BranchPoint[Any]:
+    """A point with its tangent turned to where the first of some wanted values lies, if it is not one of stability."""
+    point = entry.point
+    for name, value in until.items():
+        if name in point.observables:
+            ahead, behind = (point.problem.observables(point.u + s * point.tangent)[name] for s in (1e-5, -1e-5))
+            turned = (ahead - behind) * (value - point.observables[name]) < 0
+            return replace(entry, point=replace(point, tangent=-point.tangent)) if turned else entry
+    return entry
 
 
 def switched(

@@ -287,12 +287,13 @@ class TubeProblem:
             sizes.append(max(most * old // new, 8) if new else 0)
         tolerance = max(self.tolerance, PLANE_TOLERANCE) if all(sizes) else self.tolerance
         problem = replace(self, symmetry=symmetry, size=(sizes[0], sizes[1]), pinned=None, tolerance=tolerance)
-        moved = [problem.adopt(self, vector) for vector in vectors]
-        motions = rigid_motions(self.known(vectors[0]), problem.modes, symmetry.turns)
-        rows = [motion * problem.coefficients(problem.weights) for motion in motions if not problem._is_shift(motion)]
-        if rows:
-            problem = replace(problem, pinned=np.array([row / np.linalg.norm(row) for row in rows]))
-        return problem, moved
+        return problem.pinned_at(self.known(vectors[0])), [problem.adopt(self, vector) for vector in vectors]
+
+    def pinned_at(self, known: Mapping[Mode, float]) -> TubeProblem:
+        """The problem with phase conditions against the rigid motions that its modes leave free, at known coefficients."""
+        motions = rigid_motions(known, self.modes, self.symmetry.turns)
+        rows = [motion * self.coefficients(self.weights) for motion in motions if not self._is_shift(motion)]
+        return replace(self, pinned=np.array([row / np.linalg.norm(row) for row in rows])) if rows else self
 
     def _is_shift(self, motion: Array) -> bool:
         """Whether a motion is one across the axis, which the modes leave no room for: one of its parts is missing."""

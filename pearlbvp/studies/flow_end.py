@@ -1,0 +1,276 @@
+"""Does the flow get there? The ends of flows as points of branches: which family, how stable, and on from there.
+
+Branches live at area ``2 pi L``. A flow keeps the area it starts with: its end is similar to a shape of that area on a tube of
+length ``L/s`` with spontaneous curvature ``c0 s``, ``s = A/(2 pi L)``. That shape is the point of a branch; its growth rates
+are ``s^4`` times those in the flow's own units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from pearlbvp.collocation.scheme import Array
+from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, SpecialPoint, continue_branch, start_point
+from pearlbvp.continuation.path import Point, correct
+from pearlbvp.continuation.switching import tangent_along
+from pearlbvp.errors import InputError
+from pearlbvp.flow.axisymmetric import GraphFlow
+from pearlbvp.flow.record import Equilibrium, FlowResult
+from pearlbvp.flow.tube import TubeFlow
+from pearlbvp.helfrich import Tube
+from pearlbvp.newton import NewtonOptions
+from pearlbvp.shapes.graph import pearl_of_graph
+from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.flow_start import UNLIKE
+from pearlbvp.tube.isotropy import NEGLIGIBLE, StandardPosition, standard_position
+from pearlbvp.tube.modes import Mode
+from pearlbvp.tube.problem import PLANE_TOLERANCE, TubeProblem
+from pearlbvp.tube.spectrum import Fixed
+from pearlbvp.tube.symmetry import TubeSymmetry
+
+FEWEST_WAVES = 8
+"""Periods or folds that a tube has at first; more are taken where the shape needs them."""
+
+MOST_REMESHES = 6
+
+STRAIGHT = (
+    "flow: its end is the straight tube, where branches cross and tension and pressure are not told apart; "
+    "pearlbvp dispersion has its stability"
+)
+
+
+def recognized(end: Equilibrium) -> StandardPosition:
+    """Which symmetry and family the end of a flow of tubes has, and how it lies: in the flow's own units.
+
+    Raises:
+        InputError: the end is that of an axisymmetric flow, or no equilibrium.
+    """
+    _check(end)
+    if not isinstance(end.problem, TubeFlow):
+        raise InputError("flow: its end is an axisymmetric graph, whose symmetry is known; see solution_of")
+    return standard_position(end.problem.known(end.q), end.problem.length)
+
+
+def described(end: Equilibrium) -> str:
+    """What the end of a flow is, in a few words: ``a right-handed coil``."""
+    if not isinstance(end.problem, TubeFlow):
+        return "an axisymmetric tube"
+    position = recognized(end)
+    hand = {1: "right-handed ", -1: "left-handed ", 0: ""}[position.handedness]
+    return {
+        "cylinder": "the straight tube",
+        "ring": f"a ring of {position.symmetry.fold} lobes",
+        "pearl": "an axisymmetric tube",
+    }.get(position.family, f"a {hand}{position.family}{' tube' if position.family == 'mixed' else ''}")
+
+
+def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem, Array]:
+    """The end of a flow as a point of a branch of its family, by Newton's method in the space of its symmetry.
+
+    Axisymmetric shapes with a plane of reflection become pearls in arclength, all others tubes in reduced modes; a tube with
+    fewer reflections gets a phase condition for each rigid motion that its space leaves free. Coils of the other handedness
+    become their mirror images, which the model does not tell apart.
+
+    Raises:
+        InputError: it is no equilibrium, or the straight tube, or an axisymmetric graph without a plane of reflection, or
+            Newton's method fails.
+    """
+    _check(end)
+    fixed: Fixed = "area" if end.problem.law == "area" else "area and volume"
+    if isinstance(end.problem, GraphFlow):
+        pearls, u = pearls_of(end)
+        return replace(pearls, fixed=fixed), u
+    position = recognized(end)
+    if position.family == "cylinder":
+        raise InputError(STRAIGHT)
+    if position.family == "pearl":
+        cosines = [position.known.get(Mode("sigma", p), 0.0) for p in range(end.problem.size[0] + 1)]
+        pearls, u = _pearls(end, np.array(cosines), 1e-10)
+        return replace(pearls, fixed=fixed), u
+    return _tubes(end, position, fixed)
+
+
+def _check(end: Equilibrium) -> None:
+    if not end.converged:
+        raise InputError("flow: its last shape is no equilibrium; let it rest first")
+
+
+def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[TubeProblem, Array]:
+    """The similar tube of area ``2 pi L`` in the modes of its symmetry, by Newton's method at its reduced volume."""
+    found, symmetry = end.observables, position.symmetry
+    scale = found["area"]
+    known = {mode: value / scale for mode, value in position.known.items()}
+    along, around = _size(known, symmetry)
+    tolerance = PLANE_TOLERANCE if along and around else TubeProblem.tolerance
+    problem = TubeProblem(
+        symmetry, end.problem.c0 * scale, end.problem.length / scale, (along, around), tolerance=tolerance, fixed=fixed
+    )
+    problem = problem.pinned_at(dict(zip(problem.modes, problem.packed(known), strict=True)))
+    parameters = [found["lambda1"] * scale**2, found["lambda2"] * scale**3, found["v"] / scale**2]
+    u = _at_its_volume(problem, np.append(problem.packed(known), parameters))
+    for _ in range(MOST_REMESHES):
+        moved = problem.remesh(u)
+        if moved is None:
+            break
+        problem, (u,) = moved
+        u = _at_its_volume(problem, u)
+    energy = problem.observables(u)["E"]
+    if abs(energy - found["E"] * scale**2) > UNLIKE * abs(energy):
+        raise InputError("flow: Newton's method left its end for another equilibrium; let it flow on more modes")
+    return problem, u
+
+
+def _size(known: Mapping[Mode, float], symmetry: TubeSymmetry) -> tuple[int, int]:
+    """Periods and folds whose ellipse of modes holds all that are not negligible."""
+    units = np.array([symmetry.period, symmetry.fold])
+    numbers = np.array([(mode.p, mode.harmonic) for mode, value in known.items() if abs(value) > NEGLIGIBLE])
+    most = np.maximum(numbers.max(axis=0) / np.maximum(units, 1), FEWEST_WAVES)
+    farthest = np.hypot(*(numbers / np.maximum(units, 1) / most).T).max()
+    along, around = np.where(units, np.ceil(most * max(farthest, 1.0)), 0)
+    return int(along), int(around)
+
+
+def _at_its_volume(problem: TubeProblem, u: Array) -> Array:
+    """Newton's method at fixed reduced volume."""
+    result, _ = correct(problem, u, _by_volume(u), u, 0.0, NewtonOptions(max_iterations=15))
+    if not result.converged:
+        raise InputError(
+            f"flow: its end led to no equilibrium among tubes of its symmetry ({result.message}); let it flow on more modes"
+        )
+    return result.u
+
+
+def _by_volume(u: Array) -> Array:
+    """Direction of the reduced volume, the last unknown of every family."""
+    direction = np.zeros_like(u)
+    direction[-1] = 1.0
+    return direction
+
+
+def pearls_of(end: Equilibrium, tolerance: float = 1e-10) -> tuple[PearlProblem, Array]:
+    """The end of an axisymmetric flow as a point of a branch of pearls, by Newton's method on the arclength problem.
+
+    Args:
+        end: the equilibrium.
+        tolerance: estimated error of the profile.
+
+    Raises:
+        InputError: the shape has no plane of reflection, or Newton's method fails.
+    """
+    graph = end.problem
+    fine = replace(graph, points=min(1024, 4 * graph.points))
+    middle = _plane(graph, end.q)
+    r = np.sqrt(2 * graph.interpolated(end.q, fine.x + fine.length / 2 + middle))
+    waves = np.fft.rfft(r) / fine.points
+    if np.abs(waves.imag).max() > 1e-6:
+        raise InputError(
+            "flow: its end has no plane of reflection, which a branch of pearls needs; continue another end"
+        )
+    cosines = 2 * waves.real[: graph.points // 2]
+    cosines[0] /= 2
+    return _pearls(end, cosines, tolerance)
+
+
+def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlProblem, Array]:
+    """The arclength problem's solution at the reduced volume of an end whose radius is a sum of cosines."""
+    found = end.observables
+    scale = found["area"]
+    pearls = int(np.gcd.reduce(np.flatnonzero(np.abs(cosines) > NEGLIGIBLE)))  # equal ones, on the whole tube
+    if pearls == 0:
+        raise InputError(STRAIGHT)
+    tube = Tube(end.problem.c0 * scale, end.problem.length / scale / pearls)
+    problem, u, why = pearl_of_graph(tube, found["v"] / scale**2, cosines[::pearls] / scale, tolerance=tolerance)
+    if why:
+        raise InputError(f"flow: its end led to no equilibrium of the arclength problem ({why})")
+    problem = replace(problem, cells=pearls)
+    for _ in range(MOST_REMESHES):
+        changed = problem.remesh(u)
+        if changed is None:
+            break
+        problem, (u,) = changed
+        u = _corrected(problem, u)
+    return problem, u
+
+
+def _corrected(problem: PearlProblem, u: Array) -> Array:
+    """Newton's method at fixed volume."""
+    row = _by_volume(u)
+    for _ in range(8):
+        step = problem.solve(u, np.append(problem.residual(u), 0.0), row)
+        u = u - step
+        if np.abs(step).max() < 1e-12:
+            break
+    return u
+
+
+def _plane(graph: GraphFlow, q: Array) -> float:
+    """Position of the plane of reflection about which a shape is most nearly even, at a maximum of its largest wave."""
+    waves = np.fft.rfft(q)
+    numbers = np.arange(len(waves))
+    strongest = int(np.abs(waves[1:]).argmax()) + 1
+    shift = -np.angle(waves[strongest]) / (2 * np.pi * strongest)
+    candidates = shift + np.arange(2 * strongest) / (2 * strongest)
+
+    def oddness(part: float) -> float:
+        turned = waves * np.exp(2j * np.pi * numbers * part)
+        return float(np.abs(turned.imag).sum() - 1e-9 * turned.real.sum())
+
+    best = min(candidates, key=oddness)
+    return float(best * graph.length - graph.length / 2)
+
+
+def stability(end: Equilibrium) -> Any:
+    """Growth rates of all perturbations of a flow's end, those that break its symmetry too, at area ``2 pi L``.
+
+    Returns:
+        The spectrum of its family (``Spectrum``, ``TubeSpectrum``).
+
+    Raises:
+        InputError: the end state is no point of a branch; see ``solution_of``.
+    """
+    problem, u = solution_of(end)
+    return problem.spectrum(u)
+
+
+def end_point(result: FlowResult, *, upwards: bool = True) -> Point[Any]:
+    """The end of a flow as a point of a branch, its tangent towards larger or smaller volume.
+
+    Raises:
+        InputError: the flow did not come to rest, or its end is no point of a branch.
+    """
+    if result.equilibrium is None or not result.equilibrium.converged:
+        raise InputError(f"flow: it ended as {result.status!r} and is no equilibrium; let it rest first")
+    problem, u = solution_of(result.equilibrium)
+    direction = _by_volume(u) if upwards else -_by_volume(u)
+    try:
+        return start_point(problem, u, tangent_along(problem, u, direction))
+    except np.linalg.LinAlgError:
+        raise InputError("flow: its end is just where volume turns along its branch; let another shape flow") from None
+
+
+def continued(result: FlowResult, options: BranchOptions | None = None, *, upwards: bool = True) -> Branch[Any]:
+    """The branch through the end of a flow, towards larger or smaller volume.
+
+    Raises:
+        InputError: the flow did not come to rest, or its end is no point of a branch.
+    """
+    return continue_branch(end_point(result, upwards=upwards), options or branch_options())
+
+
+def end_branch(result: FlowResult) -> Branch[Any]:
+    """The end of a flow as a branch of one point, whole as it is: to be saved, and resumed towards either side.
+
+    ``studies.saved.resumed`` follows it to where the first wanted value lies, without one towards larger volume.
+
+    Raises:
+        InputError: as ``end_point``.
+    """
+    point = end_point(result)
+    special: list[SpecialPoint[Any]] = [SpecialPoint("start", 0), SpecialPoint("end", 0)]
+    entry = BranchPoint(point, point.problem.spectrum(point.u))
+    return Branch([entry], special, "it is the end of a flow", complete=True)
