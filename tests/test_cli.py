@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from pearlbvp.cli import cli, main
+from pearlbvp.commands.output import PICTURES
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -160,6 +161,52 @@ def test_a_branch_that_does_not_get_there_says_so(capsys):
     assert out.count("\n") == 5
 
 
+@pytest.mark.parametrize(
+    ("options", "advice"),
+    [
+        (["--c0", "0", "--length", "10", "--until", "v=0.9"], "has the same shapes"),
+        (["--resume", "SAVED", "--vary", "c0", "--until", "c0=-0.2"], "give --down"),
+        (["--resume", "SAVED", "--vary", "c0", "--down", "--until", "c0=0.5"], "leave --down out"),
+    ],
+)
+def test_a_branch_that_moves_away_from_its_goal_says_so(capsys, tmp_path, options, advice):
+    """And names the other direction, which leads there."""
+    saved = str(tmp_path / "b.h5")
+    run(capsys, "branch", "pearl", "--c0", "0", "--length", "10", "--until", "v=1.1", "--save", saved)
+    options = [saved if option == "SAVED" else option for option in options]
+    status, _, err = run(capsys, "branch", "pearl", *options, "--max-points", "5", "--max-step", "0.1")
+    assert (status, err.count("\n")) == (1, 1)
+    assert "--max-points = 5 reached; " in err
+    assert "moved away from its wanted value from the start on" in err
+    assert err.rstrip().endswith(advice)
+    if "--down" in advice:
+        other = [o for o in options if o != "--down"] if "leave" in advice else [*options, "--down"]
+        status, out, _ = run(capsys, "branch", "pearl", *other)
+        assert status == 0
+        assert out.rstrip().splitlines()[-1].split(",")[1] == "stop"
+
+
+def test_a_branch_that_comes_nearer_is_not_said_to_move_away(capsys):
+    _, _, err = run(capsys, "branch", "pearl", "--c0", "0", "--length", "10", "--until", "v=2", "--max-points", "5")
+    assert "ask for more" in err
+    assert "moved away" not in err
+
+
+@pytest.mark.parametrize(("ending", "begins"), [("pdf", b"%PDF"), ("svg", b"<?xml"), ("PNG", b"\x89PNG\r\n")])
+def test_pictures_have_the_format_of_their_ending(capsys, tmp_path, ending, begins):
+    path = tmp_path / f"d.{ending}"
+    assert run(capsys, "dispersion", "--c0", "0", "--length", "10", "--plot", str(path))[0] == 0
+    assert path.read_bytes().startswith(begins)
+
+
+def test_endings_of_pictures_are_matplotlib_s():
+    from matplotlib.figure import Figure
+
+    known = {f".{ending}" for ending in Figure().canvas.get_supported_filetypes()}
+    assert set(PICTURES) <= known
+    assert ".foo" not in known
+
+
 GOOD = {
     "branch": {"pearl": "--c0=0", "--length": "10"},
     "dispersion": {"--c0": "0.48", "--length": "30"},
@@ -186,6 +233,8 @@ GOOD = {
         ("localized", {"--period": "6.28"}, "--period"),
         ("localized", {"--period": "seven"}, "--period"),
         ("localized", {"--out": "no/such/folder/t.csv"}, "--out"),
+        ("localized", {"--plot": "t.foo"}, "--plot"),
+        ("branch", {"--plot": "t.foo"}, "--plot"),
         ("localized", {"--plot": "no/such/folder/t.png"}, "--plot"),
         ("localized", {"--compare": "nothing.csv"}, "--compare"),
         ("localized", {"--period": "0"}, "--period"),

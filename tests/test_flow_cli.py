@@ -113,6 +113,8 @@ def test_a_profile_from_a_table(capsys, folder):
         (["--from", "{b}", "--save", "{b}"], "--save"),
         (["--from", "{b}", "--velocity", "0"], "--velocity"),
         (["--from", "{b}", "--time", "0"], "--time"),
+        (["--from", "{b}", "--movie", "f.mp4"], "--movie"),
+        (["--from", "{b}", "--plot", "f.foo"], "--plot"),
         (["--from", "{b}", "--max-seconds", "-1"], "--max-seconds"),
         (["--c0", "0", "--length", "10", "--point", "w=1"], "--point"),
         (["--c0", "0", "--length", "10", "--point", "v=much"], "--point"),

@@ -197,6 +197,7 @@ def branch(
         raise InputError(f"--mode: pearls have n = 0, so {mode[0]},{mode[1]} is none of them; give {max(mode[0], 1)},0")
     from tqdm import tqdm
 
+    from pearlbvp.continuation.branch import MOVED_AWAY
     from pearlbvp.studies import branch as study
     from pearlbvp.studies import saved
 
@@ -246,7 +247,10 @@ def branch(
 
     write(table, out, plot, draw)
     if not found.complete:
-        print(f"pearlbvp: the branch ends: {of_this_command(found.reason)}", file=sys.stderr)
+        advice = ""
+        if MOVED_AWAY in found.reason:
+            advice = _other_way(vary, down, switch, shrink, from_cylinder=known is None and shape is None)
+        print(f"pearlbvp: the branch ends: {of_this_command(found.reason)}{advice}", file=sys.stderr)
     if found.reason == "interrupted":
         return INTERRUPTED
     return SOME_FAILED if wanted and not found.complete else DONE
@@ -309,6 +313,15 @@ def _check_kind(family: str, kind: str, given: set[str]) -> None:
         raise InputError(
             f"--resume: the saved branch is one of {kind}s, not of {family}s; say so, or give another file"
         )
+
+
+def _other_way(vary: str | None, down: bool, switch: int | None, shrink: bool, *, from_cylinder: bool) -> str:
+    """Advice for a branch that leads away from where it should, where it has another direction."""
+    if vary is not None:
+        return "; leave --down out" if down else "; give --down"
+    if switch is not None:
+        return "; leave --shrink out" if shrink else "; give --shrink"
+    return "; the other half of this branch has the same shapes" if from_cylinder else ""
 
 
 _BRANCH_OPTIONS = {

@@ -17,6 +17,7 @@ from pearlbvp.commands.output import (
     INTERRUPTED,
     SOME_FAILED,
     check_distinct,
+    check_ending,
     check_outputs,
     outputs,
     radius_option,
@@ -116,6 +117,7 @@ def flow(
     _in_radii(given, start, radius)
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
+    check_ending("--movie", movie, (".gif",))
     movie = None if movie is None else writable("--movie", movie)
     save_end = None if save_end is None else writable("--save-end", save_end)
     read = {"--from": source, "--resume": resume, "--profile": start["profile"]}

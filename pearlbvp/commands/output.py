@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import multiprocessing
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,10 +23,15 @@ DONE, SOME_FAILED, UNUSABLE, INTERRUPTED = 0, 1, 2, 130
 """Exit status."""
 
 
+PICTURES = (".png", ".pdf", ".svg", ".eps", ".ps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
+"""Endings of pictures: what matplotlib writes without further programs."""
+
+
 def outputs(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that all commands with a table share."""
     for decorate in (
-        click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw a picture."),
+        click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.png",
+                     help="Draw a picture (PNG, PDF, SVG, ... by the ending)."),
         click.option("--out", type=click.Path(path_type=Path), metavar="FILE.csv",
                      help="Write the table there instead of on standard output."),
     ):  # fmt: skip
@@ -70,10 +75,21 @@ def check_outputs(out: Path | None, plot: Path | None) -> tuple[Path | None, Pat
     """Where table and picture are written, links resolved, before anything is computed for them."""
     from pearlbvp.files import writable
 
+    check_ending("--plot", plot, PICTURES)
     out = None if out is None else writable("--out", out)
     plot = None if plot is None else writable("--plot", plot)
     check_distinct({"--out": out, "--plot": plot})
     return out, plot
+
+
+def check_ending(option: str, path: Path | None, endings: Sequence[str]) -> None:
+    """Refuse a file whose ending names a format that cannot be written; without an ending the first format is taken.
+
+    Raises:
+        InputError: the option, and the endings that can be.
+    """
+    if path is not None and path.suffix and path.suffix.lower() not in endings:
+        raise InputError(f"{option}: {path.name} has the ending {path.suffix}; give one of {', '.join(endings)}")
 
 
 def check_distinct(paths: Mapping[str, Path | None]) -> None:
@@ -99,11 +115,11 @@ def write(table: pd.DataFrame, out: Path | None, plot: Path | None, draw: Callab
     else:
         write_table("--out", out, table)
     if plot is not None:
-        from pearlbvp.figures.canvas import save_png
+        from pearlbvp.figures.canvas import save_figure
         from pearlbvp.files import write_whole
 
         figure = draw()
-        write_whole("--plot", plot, lambda path: save_png(figure, path))
+        write_whole("--plot", plot, lambda path: save_figure(figure, path))
     failed = 0
     for column in ("status", "localized_status"):
         if column in table:

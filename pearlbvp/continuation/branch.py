@@ -210,7 +210,9 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
     points = [_with_spectrum(start)]
     special: list[SpecialPoint[P]] = [SpecialPoint("start", 0)]
 
-    def end(reason: str, kind: str = "end") -> Branch[P]:
+    def end(reason: str, kind: str = "end", advice: str = "") -> Branch[P]:
+        if kind == "end":
+            reason += "".join(f"; {name} {MOVED_AWAY}" for name in _left_behind(points, options.until)) or advice
         special.append(SpecialPoint(kind, len(points) - 1))
         return Branch(points, special, reason, kind == "stop")
 
@@ -247,7 +249,8 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
             if reason is not None:
                 return end(reason)
             if len(points) >= options.path.max_points:
-                return end(f"max_points = {options.path.max_points} reached; resume the branch or ask for more")
+                advice = "; resume the branch or ask for more"
+                return end(f"max_points = {options.path.max_points} reached", advice=advice)
     except PathEnd as failure:
         return end(str(failure))
     except np.linalg.LinAlgError as error:
@@ -258,6 +261,20 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
         if not isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
             raise
         return end("interrupted")
+
+
+MOVED_AWAY = "moved away from its wanted value from the start on"
+
+
+def _left_behind(points: Sequence[BranchPoint[Any]], until: Mapping[str, float]) -> list[str]:
+    """Observables that are nowhere as near to their wanted values as at the first of several points."""
+    found = []
+    for name, value in until.items():
+        values = [e.spectrum.mu_crit if name == "mu_crit" else e.observables[name] for e in points]
+        gaps = [abs(at - value) for at in values]
+        if len(gaps) > 1 and min(gaps[1:]) > gaps[0]:
+            found.append(name)
+    return found
 
 
 def _is_doubtful(event: Event[Any], problem: Any) -> bool:

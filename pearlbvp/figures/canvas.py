@@ -42,6 +42,6 @@ def dress(axes: Axes, xlabel: str, ylabel: str, title: str = "") -> None:
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def save_png(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG whatever the path's ending."""
-    figure.savefig(path, format="png")
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure in the format that the path's ending names, as PNG where it has none."""
+    figure.savefig(path, format=path.suffix[1:].lower() or "png")
