@@ -217,11 +217,46 @@ def test_a_saved_flow_is_resumed_at_a_radius(capsys, folder, tmp_path):
     assert "t = 16 already" in err
 
 
-def test_flows_do_not_start_from_meshes(capsys, tmp_path):
-    save(mesh_branch(0.0, 10.0, "coil", (1, 1), 200, branch_options(max_points=2)), tmp_path / "m.h5")
-    status, out, err = run(capsys, "flow", "--from", str(tmp_path / "m.h5"))
+def test_flows_on_triangulated_tubes(capsys, folder, tmp_path):
+    """From a point of a branch, from that on a mesh, and from the mesh in a file: energies of one shape, falling."""
+    short = ["--time", "0.02", "--perturb", "bump", "--delta", "-0.02"]
+    table, _ = rows_of(capsys, "--from", folder / "b.h5", "--nodes", 300, *short, "--plot", tmp_path / "f.png",
+                       "--movie", tmp_path / "f.gif", "--save", tmp_path / "f.h5")  # fmt: skip
+    assert table[["area_error", "volume_error"]].abs().to_numpy().max() < 1e-10
+    assert table["E"].is_monotonic_decreasing
+    on, _ = rows_of(capsys, "--resume", tmp_path / "f.h5", "--time", 0.03)
+    assert on["E"].iloc[-1] < table["E"].iloc[-1]
+    save(mesh_branch(0.0, 10.0, "coil", (1, 1), 200, branch_options({"v": 0.99})), tmp_path / "m.h5")
+    rested, err = rows_of(capsys, "--from", tmp_path / "m.h5", "--perturb", "none", "--save-end", tmp_path / "e.h5")
+    assert "a triangulated tube of" in err
+    assert "n_unstable = 0" in err
+    status, _, _ = run(
+        capsys, "mesh", "--from", str(tmp_path / "e.h5"), "--point", "0", "--out", str(tmp_path / "c.ply")
+    )
+    assert status == 0
+    common = ["--c0", 0, "--length", 10, "--time", 1e-4]
+    read, _ = rows_of(capsys, "--mesh", tmp_path / "c.ply", *common)
+    assert read["E"].iloc[0] == pytest.approx(rested["E"].iloc[-1], rel=1e-3)
+    assert read["v"].iloc[0] == pytest.approx(0.99, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (["--from", "{b}", "--discretization", "cotangent"], "--discretization"),
+        (["--from", "{b}", "--nodes", "300", "--points", "64"], "--points"),
+        (["--from", "{b}", "--nodes", "3"], "--nodes"),
+        (["--from", "{b}", "--nodes", "300", "--law", "diffusion"], "--law"),
+        (["--mesh", "{b}", "--c0", "0", "--length", "10"], "--mesh"),
+        (["--mesh", "none.ply", "--c0", "0", "--length", "10"], "--mesh"),
+        (["--mesh", "none.ply", "--c0", "0"], "--mesh"),
+        (["--mesh", "none.ply", "--c0", "0", "--length", "10", "--delta", "0.1"], "--delta"),
+    ],
+)
+def test_mistakes_with_meshes_are_one_line(capsys, folder, arguments, name):
+    status, out, err = run(capsys, "flow", *(a.replace("{b}", str(folder / "b.h5")) for a in arguments))
     assert (status, out, err.count("\n")) == (2, "", 1)
-    assert err.startswith("pearlbvp: --from: ")
+    assert err.startswith(f"pearlbvp: {name}: ")
 
 
 def test_the_end_of_a_flow_becomes_a_branch(capsys, folder):

@@ -16,6 +16,7 @@ from pearlbvp.mesh.problem import with_phases
 from pearlbvp.mesh.start import branch_point, solved
 from pearlbvp.studies.branch import branch_options, pearl_branch
 from pearlbvp.studies.flow import load, save
+from pearlbvp.studies.flow_end import continued, described, solution_of
 from pearlbvp.studies.flow_start import mesh_start, profile_start, surface_start
 from pearlbvp.studies.mesh import meshed
 from pearlbvp.theory.dispersion import growth_rate
@@ -238,9 +239,34 @@ def test_bad_starts_and_necks_are_named():
     problem, q = surface_start(0.0, tube_mesh(L, 200, necked))
     with pytest.raises(InputError, match=r"neck at x = .*vertex .* thin"):
         flow(problem, q)
-    problem, q = surface_start(1.2, tube_mesh(L, 200, bulged))
+    problem, q = surface_start(1.5, tube_mesh(L, 200, lambda x, phi: bulged(x, phi) * (1, 0.8, 0.8)))
     result = flow(problem, q, QUICK)
     assert result.status == "pinch"
     assert "neck at x" in result.reason
     assert "more nodes" in result.advice
     assert len(result.table()) > 10
+
+
+def test_the_end_becomes_a_branch():
+    """From the flow's last shape on, at its own area, to another volume; saved and resumed; against the pearls of collocation."""
+    result = settled()
+    assert described(result.equilibrium) == f"a triangulated tube of {len(result.state.q)} nodes"
+    branch = continued(result, branch_options({"v": 1.16}), upwards=False)
+    assert branch.complete, branch.reason
+    exact = pearl_branch(0.0, L, 1, branch_options({"v": 1.16})).points[-1]
+    for name, error in (("E", 2e-3), ("lambda1", 1e-2), ("lambda2", 1e-2), ("r_min", 1e-2)):
+        assert branch.points[-1].observables[name] == pytest.approx(exact.observables[name], rel=error), name
+    assert branch.points[-1].spectrum.n_unstable == exact.spectrum.n_unstable == 0
+
+
+def test_an_end_of_another_area_is_similar_to_a_point_of_a_branch():
+    """A shape twice as large rests as the small one does: all numbers scale by powers of two."""
+    end = settled().equilibrium
+    flow_, mesh = end.problem, end.problem.reference.mesh
+    twice = replace(mesh, vertices=2 * flow_.vertices(end.q), length=2 * L)
+    lambdas = end.multipliers / (4, 8)
+    large = replace(end, problem=mesh_flow(twice, 0.0), q=np.zeros(mesh.count), multipliers=lambdas)
+    one, two = (problem.observables(u) for problem, u in map(solution_of, (end, large)))
+    assert two["L"] == pytest.approx(L, rel=1e-12)
+    for name in ("v", "E", "lambda1", "lambda2", "r_min"):
+        assert two[name] == pytest.approx(one[name], rel=1e-6), name

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     "pearlbvp flow --from b.h5 --point v=1.02 --perturb critical --delta 0.02 --keep --movie f.gif  |  "
     "pearlbvp flow --family buckle --c0 0 --length 10 --point C --perturb critical --delta 0.3 --plot c.png  |  "
     "pearlbvp flow --resume f.h5 --time 100 --save-end e.h5  |  "
+    "pearlbvp flow --from b.h5 --point A2 --nodes 2000 --out f.csv  |  "
+    "pearlbvp flow --mesh tube.ply --c0 0 --length 10 --time 5 --movie f.gif  |  "
     "pearlbvp flow --c0 0 --length 0.5 --radius 0.05 --point v=1.1 --delta=-0.005 --out f.csv",
 )
 @click.option(
@@ -47,8 +49,10 @@ if TYPE_CHECKING:
 @click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
 @click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv",
               help="Start from radii instead: columns x and r, with --c0 and --length.")  # fmt: skip
+@click.option("--mesh", type=click.Path(path_type=Path), metavar="FILE.vtu|.ply|.obj",
+              help="Start from a triangulated tube instead, one period, with --c0 and --length.")  # fmt: skip
 @click.option(
-    "--pressure", type=Number(), default=0.0, show_default=True, help="With --profile and --law area: lambda2."
+    "--pressure", type=Number(), default=0.0, show_default=True, help="With --profile or --mesh, --law area: lambda2."
 )
 @click.option("--point", default="-1", show_default=True, metavar="K|NAME=VALUE|A2",
               help="The start: a point's number, a column's value, or a name of the paper.")  # fmt: skip
@@ -65,6 +69,9 @@ if TYPE_CHECKING:
 @click.option(
     "--size", type=ModeNumbers(), default="12,12", show_default=True, help="Waves of a tube, along and around."
 )
+@click.option("--nodes", type=int, metavar="N", help="Let the shape flow as a triangulated tube of so many vertices.")
+@click.option("--discretization", type=click.Choice(["subdivision", "cotangent"]), default="subdivision",
+              show_default=True, help="Of a triangulated tube.")  # fmt: skip
 @click.option("--time", "until", type=Number(), help="Stop at that time.")
 @click.option(
     "--velocity", type=Number(), default=1e-6, show_default="1e-6 / R^3", help="A stable shape slower than this rests."
@@ -108,19 +115,15 @@ def flow(
     given, branch = given_options(click.get_current_context()), None
     if source is not None:
         branch = saved.load(source, "--from")
-        if saved.kind_of(branch) == "mesh":
-            raise InputError(
-                "--from: flows do not start from meshes; give the same branch as pearls, rings, coils or buckles"
-            )
         start["family"] = saved.family_of(branch) if "family" not in given else start["family"]
-    _refuse_idle(given, start)
+    _refuse_idle(given, start, branch is not None and saved.kind_of(branch) == "mesh")
     _in_radii(given, start, radius)
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
     check_ending("--movie", movie, (".gif",))
     movie = None if movie is None else writable("--movie", movie)
     save_end = None if save_end is None else writable("--save-end", save_end)
-    read = {"--from": source, "--resume": resume, "--profile": start["profile"]}
+    read = {"--from": source, "--resume": resume, "--profile": start["profile"], "--mesh": start["mesh"]}
     written = {"--out": out, "--plot": plot, "--movie": movie, "--save-end": save_end}
     for outputs_and_inputs in ({**read, **written}, {"--from": source, **written, "--save": save}):
         check_distinct(
@@ -180,30 +183,39 @@ def flow(
 
 PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}
 OF_A_BRANCH = {"family", "mode", "point"}
-DISCRETIZATION = {"tube", "points", "size"}
+DISCRETIZATION = {"tube", "points", "size", "nodes", "discretization"}
 
 
-def _refuse_idle(given: set[str], start: dict[str, Any]) -> None:
-    """Refuse options that would say nothing beside others.
+def _refuse_idle(given: set[str], start: dict[str, Any], on_mesh: bool) -> None:
+    """Refuse options that would say nothing beside others; ``on_mesh`` is the branch that a flow starts from.
 
     Raises:
         InputError: the first of them, and what it does not go with.
     """
-    whole = {"source", "c0", "length", "law", "profile", "pressure"} | PERTURBATION | OF_A_BRANCH | DISCRETIZATION
-    graph = start["family"] == "pearl" and not start["tube"]
+    whole = {"source", "c0", "length", "law", "profile", "mesh", "pressure"}
+    whole |= PERTURBATION | OF_A_BRANCH | DISCRETIZATION
+    graph, meshes = start["family"] == "pearl" and not start["tube"], on_mesh or bool(given & {"nodes", "mesh"})
     for condition, idle, why in (
         ("resume" in given, whole, "a saved flow has its own; leave it out with --resume"),
         (
             "source" in given,
-            {"family", "c0", "length", "mode", "profile"},
+            {"family", "c0", "length", "mode", "profile", "mesh"},
             "a saved branch has its own; leave it out with --from",
         ),
         (
             "profile" in given,
-            PERTURBATION | OF_A_BRANCH | {"tube", "size"},
+            PERTURBATION | OF_A_BRANCH | {"tube", "size", "mesh", "nodes"},
             "it does not go with --profile; leave it out",
         ),
-        ("profile" not in given, {"pressure"}, "a branch's point has its own; give --profile too, or leave it out"),
+        ("mesh" in given, PERTURBATION | OF_A_BRANCH | {"nodes"}, "it does not go with --mesh; leave it out"),
+        (on_mesh, {"nodes", "discretization"}, "the branch is on a mesh, which is taken as it is; leave it out"),
+        (meshes, {"tube", "points", "size"}, "it says nothing of a triangulated tube; leave it out"),
+        (not meshes, {"discretization"}, "it is for triangulated tubes; give --nodes too"),
+        (
+            not given & {"profile", "mesh"},
+            {"pressure"},
+            "a branch's point has its own; give --profile or --mesh too, or leave it out",
+        ),
         (start["law"] != "area", {"pressure"}, "it goes with --law area"),
         (not graph, {"points"}, "it is for axisymmetric shapes; give --size"),
         (graph, {"size"}, "it is for tubes; give --points, or --tube"),
@@ -244,7 +256,9 @@ def _say_end(result: Any, save_end: Path | None, radius: float) -> bool:
             print(f"pearlbvp: {str(error).replace('flow:', '--save-end:', 1)}", file=sys.stderr)
         return save_end is None
     spectrum = branch.points[0].spectrum
-    rate = spectrum.mu_crit / (result.equilibrium.observables["area"] * radius) ** 4  # of the similar shape: studies.flow_end
+    rate = (
+        spectrum.mu_crit / (result.equilibrium.observables["area"] * radius) ** 4
+    )  # of the similar shape: studies.flow_end
     counted = f"n_unstable = {spectrum.n_unstable}, mu_crit = {rate:.4g} ({spectrum.critical})"
     print(
         f"pearlbvp: {described(result.equilibrium)}; to all perturbations of this tube: {counted}",
@@ -258,19 +272,23 @@ def _say_end(result: Any, save_end: Path | None, radius: float) -> bool:
 def _start(
     branch: Any, *, family: str, c0: float | None, length: float | None, mode: tuple[int, int] | None, point: str,
     perturb: Any, delta: float, xi: float, centre: float, keep: bool, law: Any, tube: bool, points: int,
-    size: tuple[int, int], profile: Path | None, pressure: float, radius: float,
+    size: tuple[int, int], profile: Path | None, mesh: Path | None, nodes: int | None, discretization: Any, pressure: float,
+    radius: float,
 ) -> tuple[Any, Any]:  # fmt: skip
     """Problem and coordinates of the start."""
     from pearlbvp.helfrich import finite
     from pearlbvp.studies import branch as branches
-    from pearlbvp.studies.flow_start import pearl_start, pearl_tube_start, profile_start, tube_start
+    from pearlbvp.studies.flow_start import mesh_start, pearl_start, pearl_tube_start, profile_start, tube_start
+    from pearlbvp.studies.mesh import NODES
     from pearlbvp.studies.point import SAMPLES, chosen
     from pearlbvp.studies.ring import reduced
     from pearlbvp.studies.tube import tube_branch
 
-    if profile is not None:
+    if profile is not None or mesh is not None:
         if c0 is None or length is None:
-            raise InputError("--profile: it goes with --c0 and --length; give both")
+            raise InputError(f"--{'mesh' if profile is None else 'profile'}: it goes with --c0 and --length; give both")
+        if profile is None:
+            return _of_a_file(mesh, radius, c0, length, discretization, law, pressure)  # type: ignore[arg-type]
         x, r = _profile(profile)
         return profile_start(c0, length, x / radius, r / radius, points=points, law=law, pressure=pressure)
     if branch is None:
@@ -300,7 +318,9 @@ def _start(
             )
         point = "-1"
     at = chosen(branch, point, family)
-    if family != "pearl":
+    if nodes is not None or at.problem.stored_as == "mesh":
+        start = mesh_start(at, NODES if nodes is None else nodes, kind=discretization, law=law)
+    elif family != "pearl":
         problem, u = reduced(at)[:2] if at.problem.stored_as == "ring" else (at.problem, at.u)
         start = tube_start(problem, u, size=size, law=law)
     elif tube:
@@ -308,6 +328,20 @@ def _start(
     else:
         start = pearl_start(at.problem, at.u, points=points, law=law)
     return start.problem, start.perturbed(perturb, delta, xi=xi, centre=centre, keep=keep)
+
+
+def _of_a_file(
+    path: Path, radius: float, c0: float, length: float, kind: Any, law: Any, pressure: float
+) -> tuple[Any, Any]:
+    """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
+    from dataclasses import replace
+
+    from pearlbvp.mesh.files import read_mesh
+    from pearlbvp.studies.flow_start import surface_start
+
+    found = read_mesh(path, length * radius)
+    found = replace(found, vertices=found.vertices / radius, length=length)
+    return surface_start(c0, found, kind=kind, law=law, pressure=pressure)
 
 
 def _profile(path: Path) -> tuple[Any, Any]:

@@ -11,7 +11,7 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.canvas import COLOURS, dress, new_figure
-from pearlbvp.figures.surface import show_surface
+from pearlbvp.figures.surface import coordinates, show_surface
 from pearlbvp.flow.record import FlowState, Frame
 
 
@@ -22,7 +22,9 @@ def draw_surface(axes: Any, frame: Frame, extent: float, along: int = 121, aroun
 
 def _extent(frames: list[Frame]) -> float:
     """Half the width of a box that holds all shapes."""
-    return 1.02 * max(float(np.abs(part).max()) for f in frames for part in f.problem.surface(f.q, 33, 25)[1:])
+    return 1.02 * max(
+        float(np.abs(part).max()) for f in frames for part in coordinates(f.problem.surface(f.q, 33, 25))[1:]
+    )
 
 
 def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", unit: float = 1.0) -> Figure:

@@ -19,14 +19,18 @@ from pearlbvp.continuation.path import Point, correct
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
+from pearlbvp.flow.mesh import MeshFlow
 from pearlbvp.flow.record import Equilibrium, FlowResult
 from pearlbvp.flow.tube import TubeFlow
 from pearlbvp.helfrich import Tube
+from pearlbvp.mesh.problem import MeshProblem, about
+from pearlbvp.mesh.start import solved
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.branch import branch_options
 from pearlbvp.studies.flow_start import UNLIKE
+from pearlbvp.studies.mesh import SMALLEST_AMPLITUDE
 from pearlbvp.tube.isotropy import NEGLIGIBLE, StandardPosition, standard_position
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import PLANE_TOLERANCE, TubeProblem
@@ -48,16 +52,20 @@ def recognized(end: Equilibrium) -> StandardPosition:
     """Which symmetry and family the end of a flow of tubes has, and how it lies: in the flow's own units.
 
     Raises:
-        InputError: the end is that of an axisymmetric flow, or no equilibrium.
+        InputError: the end is no tube in reduced modes, or no equilibrium.
     """
     _check(end)
     if not isinstance(end.problem, TubeFlow):
-        raise InputError("flow: its end is an axisymmetric graph, whose symmetry is known; see solution_of")
+        raise InputError(
+            "flow: its end is no tube in reduced modes, of which alone symmetries are recognized; see solution_of"
+        )
     return standard_position(end.problem.known(end.q), end.problem.length)
 
 
 def described(end: Equilibrium) -> str:
     """What the end of a flow is, in a few words: ``a right-handed coil``."""
+    if isinstance(end.problem, MeshFlow):
+        return f"a triangulated tube of {end.problem.reference.mesh.count} nodes"
     if not isinstance(end.problem, TubeFlow):
         return "an axisymmetric tube"
     position = recognized(end)
@@ -69,12 +77,12 @@ def described(end: Equilibrium) -> str:
     }.get(position.family, f"a {hand}{position.family}{' tube' if position.family == 'mixed' else ''}")
 
 
-def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem, Array]:
+def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem | MeshProblem, Array]:
     """The end of a flow as a point of a branch of its family, by Newton's method in the space of its symmetry.
 
-    Axisymmetric shapes with a plane of reflection become pearls in arclength, all others tubes in reduced modes; a tube with
-    fewer reflections gets a phase condition for each rigid motion that its space leaves free. Coils of the other handedness
-    become their mirror images, which the model does not tell apart.
+    Axisymmetric shapes with a plane of reflection become pearls in arclength, triangulated tubes stay what they are, and all
+    others become tubes in reduced modes; a tube with fewer reflections gets a phase condition for each rigid motion that its
+    space leaves free. Coils of the other handedness become their mirror images, which the model does not tell apart.
 
     Raises:
         InputError: it is no equilibrium, or the straight tube, or an axisymmetric graph without a plane of reflection, or
@@ -82,6 +90,8 @@ def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem, Array]:
     """
     _check(end)
     fixed: Fixed = "area" if end.problem.law == "area" else "area and volume"
+    if isinstance(end.problem, MeshFlow):
+        return _meshes(end)
     if isinstance(end.problem, GraphFlow):
         pearls, u = pearls_of(end)
         return replace(pearls, fixed=fixed), u
@@ -123,6 +133,21 @@ def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[
     if abs(energy - found["E"] * scale**2) > UNLIKE * abs(energy):
         raise InputError("flow: Newton's method left its end for another equilibrium; let it flow on more modes")
     return problem, u
+
+
+def _meshes(end: Equilibrium) -> tuple[MeshProblem, Array]:
+    """The similar surface of area ``2 pi L`` on the same triangles, by Newton's method at its reduced volume."""
+    flow, found = end.problem, end.observables
+    if found["amplitude"] < SMALLEST_AMPLITUDE:
+        raise InputError(STRAIGHT)
+    scale, mesh = found["area"], flow.reference.mesh
+    mesh = replace(mesh, vertices=flow.vertices(end.q) / scale, length=mesh.length / scale)
+    parameters = np.array([found["lambda1"] * scale**2, found["lambda2"] * scale**3, found["v"] / scale**2])
+    reference = flow.reference
+    problem, u = about(
+        mesh, reference.c0 * scale, parameters, reference.kind, fixed=reference.fixed, adapt=reference.adapt
+    )
+    return problem, solved(problem, u)
 
 
 def _size(known: Mapping[Mode, float], symmetry: TubeSymmetry) -> tuple[int, int]:
@@ -228,7 +253,7 @@ def stability(end: Equilibrium) -> Any:
     """Growth rates of all perturbations of a flow's end, those that break its symmetry too, at area ``2 pi L``.
 
     Returns:
-        The spectrum of its family (``Spectrum``, ``TubeSpectrum``).
+        The spectrum of its family (``Spectrum``, ``TubeSpectrum``, ``MeshSpectrum``).
 
     Raises:
         InputError: the end state is no point of a branch; see ``solution_of``.

@@ -30,7 +30,7 @@ from pearlbvp.theory.dispersion import Mode
 NODES = 3000
 """Vertices of a mesh by default: four digits of the branch points of the straight tube."""
 
-STRAIGHT = 1e-6
+SMALLEST_AMPLITUDE = 1e-6
 """Amplitude below which a shape is the straight tube."""
 
 AROUND = 256
@@ -94,7 +94,7 @@ def meshed(
     """
     point = point.point if isinstance(point, BranchPoint) else point
     found = point.observables
-    if found["amplitude"] < STRAIGHT:
+    if found["amplitude"] < SMALLEST_AMPLITUDE:
         raise InputError(
             "point: it is the straight tube, which is an equilibrium at any pressure; choose another point"
         )
