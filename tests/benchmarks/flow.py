@@ -17,12 +17,14 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.sparse import issparse
 
 from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, first_rates, flow
 from pearlbvp.flow.problem import Array
 from pearlbvp.studies.branch import branch_options, pearl_branch
-from pearlbvp.studies.flow_start import pearl_start, tube_start
+from pearlbvp.mesh.families import tube_mesh
+from pearlbvp.studies.flow_start import mesh_start, pearl_start, surface_start, tube_start
 from pearlbvp.studies.point import chosen
 from pearlbvp.studies.tube import tube_branch
 
@@ -46,9 +48,9 @@ def start_shape(problem: GraphFlow) -> Array:
     return problem.coordinates(1 + 0.3 * np.cos(k) + 0.06 * np.cos(2 * k + 0.5) + 0.02 * np.sin(3 * k))
 
 
-def implicit_euler(problem: GraphFlow, q: Array, steps: int) -> Array:
-    """Fixed steps to ``END``, each by Newton's method to 1e-10."""
-    kept, h = problem.constraints(q), END / steps
+def implicit_euler(problem: Any, q: Array, steps: int, end: float = END) -> Array:
+    """Fixed steps to a time, each by Newton's method to 1e-10."""
+    kept, h = problem.constraints(q), end / steps
     multipliers = first_rates(problem, q)[1]
     size, k = len(q), len(kept)
     for _ in range(steps):
@@ -57,7 +59,8 @@ def implicit_euler(problem: GraphFlow, q: Array, steps: int) -> Array:
             rate = (q - old) / h
             residual = np.concatenate((problem.residual(q, rate, multipliers), problem.constraints(q) - kept))
             matrix = np.zeros((size + k, size + k))
-            matrix[:size, :size] = problem.jacobian(q, rate, multipliers, 1 / h)
+            inner = problem.jacobian(q, rate, multipliers, 1 / h)
+            matrix[:size, :size] = inner.toarray() if issparse(inner) else inner
             matrix[:size, size:], matrix[size:, :size] = problem.columns(q), problem.constraint_rows(q)
             step = np.linalg.solve(matrix, residual)
             q, multipliers = q - step[:size], multipliers - step[size:]
@@ -137,6 +140,46 @@ def to_rest() -> None:
         line(f"c0 = {c0:g}, {family}, {kind}, 12 x 12 modes", lambda s=tube, q=q: s.flow(q, options), 1)  # type: ignore[misc]
 
 
+def bulged(x: Array, phi: Array) -> Array:
+    """A surface of revolution of amplitude 0.3."""
+    r = 1 + 0.3 * np.cos(2 * np.pi * x / 10)
+    return np.column_stack((x, r * np.cos(phi), r * np.sin(phi)))
+
+
+def meshes() -> None:
+    """Triangulated tubes: against implicit Euler on one mesh, and A2 with a bump to rest on 4,000 nodes."""
+    problem, q = surface_start(0.0, tube_mesh(10.0, 300, bulged))
+    end = 0.2
+    exact = flow(problem, q, FlowOptions(until=end, rtol=1e-9, atol=1e-11)).state.q
+    print(f"one flow to t = {end:g}, triangulated tube of {len(q)} nodes")
+    for rtol in (1e-5, 1e-6):
+        options = FlowOptions(until=end, rtol=rtol, atol=rtol / 100)
+        seconds, result = timed(lambda o=options: flow(problem, q, o), 1)  # type: ignore[misc]
+        error, steps = np.abs(result.state.q - exact).max(), len(result.table()) - 1
+        print(f"  {f'IDA, rtol {rtol:.0e}':34s} {seconds:8.3f} s {steps:6d} steps   error {error:8.1e}")
+    for steps in (20, 200):
+        seconds, found = timed(lambda n=steps: implicit_euler(problem, q, n, end), 1)  # type: ignore[misc]
+        error = np.abs(found - exact).max()
+        print(
+            f"  {f'implicit Euler, h = {end / steps:.0e}':34s} {seconds:8.3f} s {steps:6d} steps   error {error:8.1e}"
+        )
+    print("A2 with a bump of -0.125 on triangulated tubes, to rest")
+    a2 = chosen(pearl_branch(0, 10, 1, branch_options({"lambda2": -3.2})), "A2")
+    for kind in ("subdivision", "cotangent"):
+        start = mesh_start(a2, 4000, kind=kind)  # type: ignore[arg-type]
+        seconds, result = timed(lambda s=start: s.flow(s.perturbed("bump", -0.125)), 1)  # type: ignore[misc]
+        table = result.table()
+        late = table[(table["velocity"] < 1e-2) & (table["velocity"] > 1e-4)]
+        decay = np.polyfit(late["t"], np.log(late["velocity"]), 1)[0]
+        drift = table[["area_error", "volume_error"]].abs().to_numpy().max()
+        print(
+            f"  {kind:12s} {len(result.state.q)} nodes {seconds / len(table):6.3f} s a step {len(table) - 1:5d} steps   "
+            f"{result.status} at t = {result.state.t:.2f}   drift {drift:.1e}   rise of E {result.largest_rise():.1e}   "
+            f"jump {result.largest_jump():.1e}   decay {decay:.4f}, growth rate {result.equilibrium.growth_rates[0]:.4f}"
+        )
+
+
 if __name__ == "__main__":
     compare()
     to_rest()
+    meshes()
