@@ -320,7 +320,8 @@ def _other_way(vary: str | None, down: bool, switch: int | None, shrink: bool, *
     if vary is not None:
         return "; leave --down out" if down else "; give --down"
     if switch is not None:
-        return "; leave --shrink out" if shrink else "; give --shrink"
+        other = "without --shrink" if shrink else "with --shrink"
+        return f"; {other} it goes the other way, which at a pitchfork has the same shapes"
     return "; the other half of this branch has the same shapes" if from_cylinder else ""
 
 
