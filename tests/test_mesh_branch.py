@@ -213,7 +213,7 @@ def test_branches_go_on_from_a_meshed_shape(pearl):
             assert branch.points[-1].observables[name] == pytest.approx(spectral.observables(w)[name], rel=1e-3)
 
 
-def test_switching_to_modulated_rings():
+def test_switching_to_modulated_rings(tmp_path):
     """Where rings become unstable to waves along the tube, shapes branch off that no other family has.
 
     They leave in twos, shifted along the tube; the branch has a phase condition against that, keeps
@@ -223,7 +223,10 @@ def test_switching_to_modulated_rings():
     place = rings.find("bp")[0].index
     assert [special.converged for special in rings.find("bp")] == [True, True]
     assert rings.points[-1].spectrum.n_unstable == rings.points[place - 1].spectrum.n_unstable + 2
-    branch = switched(rings, 1, branch_options(max_points=5, step=0.05))
+    save(rings, tmp_path / "rings.h5")
+    from_file = load(tmp_path / "rings.h5")
+    assert from_file.find("bp") == rings.find("bp")  # their symmetry blocks, too
+    branch = switched(from_file, 1, branch_options(max_points=5, step=0.05))
     assert len(branch.points) >= 4, branch.reason
     last = branch.points[-1]
     assert np.ptp(centres_radius(last.point)) > 0.02

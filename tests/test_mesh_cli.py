@@ -76,22 +76,13 @@ def test_it_is_resumed_under_any_family_s_name(capsys, saved, coil):
     assert table_of(out).lambda2.iloc[-1] == pytest.approx(exact["lambda2"], rel=3e-3)
 
 
-def test_branches_on_meshes_are_switched(capsys, folder):
-    """Modulated rings at the first branch point of the rings, from a file as from memory (``test_mesh_branch``)."""
-    path = folder / "ring.h5"
-    options = ["--c0", 0, "--length", 10, "--nodes", 400, "--until", "v=0.953", "--pressure", "--save", path]
-    status, _, _ = run(capsys, "branch", "ring", *options)
-    assert status == 0
-    assert load(path).points[-1].point.problem.fixed == "area"
-    rings = load(path)
-    assert [special.block.name for special in rings.find("bp")] == ["breaking"] * 2
-    neutral = rings.at(rings.find("bp")[0])
-    assert np.abs(neutral.spectrum.rates[rings.find("bp")[0].block]).min() < 1e-6
-    status, out, err = run(capsys, "branch", "ring", "--resume", path, "--switch", 1, "--max-points", 3, "--step", 0.05)
-    assert (status, err.count("\n")) == (0, 1)
-    found = table_of(out)
-    assert len(found) == 3
-    assert found.r_min.iloc[-1] < 0.985 * found.r_min.iloc[0]
+def test_pressure_is_kept_on_meshes_too(capsys, tmp_path):
+    """``test_mesh_branch`` switches branches from files; here what the options say of stability arrives."""
+    options = ["--c0", 0, "--length", 10, "--nodes", 100, "--max-points", 2, "--save", tmp_path / "b.h5"]
+    for further, fixed in (([], "area and volume"), (["--pressure", "--discretization", "cotangent"], "area")):
+        assert run(capsys, "branch", "ring", *options, *further)[0] == 0
+        problem = load(tmp_path / "b.h5").points[-1].point.problem
+        assert (problem.fixed, problem.kind) == (fixed, "cotangent" if further else "subdivision")
 
 
 @pytest.mark.parametrize(

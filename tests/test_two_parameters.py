@@ -34,7 +34,9 @@ def test_stability_along_a_followed_fold_is_that_of_the_branch():
     here = pearl_branch(0.75, 10, 1, branch_options({"v": 1.02}))
     special = here.find("fold:E")[0]
     assert here.at(special).observables["lambda2"] == pytest.approx(0, abs=1e-9)
-    curve = followed(here, "fold:E", 1, "c0", branch_options(max_points=30, step=0.05, max_step=0.2), upwards=False)
+    away = branch_options({"c0": 0.9}, max_points=30, step=0.05, max_step=0.2)  # whose value lies the other way
+    curve = followed(here, "fold:E", 1, "c0", away, upwards=False)
+    assert "c0 moved away" in curve.reason
     assert curve.points[0].spectrum.n_unstable == here.at(special).spectrum.n_unstable == 6
     # The shapes become straight where pearls begin at lambda2 = 0, and the curve ends there.
     assert "straight tube" in curve.reason

@@ -150,8 +150,8 @@ def branch(
     star-shaped. Branches that --switch leads to from a ring, coil or buckle are resumed under that name, too.
 
     With --nodes the surface is a mesh, which needs no sections: 500 nodes give two to three digits, 3000 four (of
-    subdivision surfaces; a second a point at 500, five at 3000). The mesh is adapted on the way; mu_error is empty. A branch
-    on a mesh is resumed and switched under any family's name.
+    subdivision surfaces; one to two seconds a point at 500, ten at 3000). The mesh is adapted on the way; mu_error is empty. A
+    branch on a mesh is resumed and switched under any family's name.
     """
     from pearlbvp.files import writable
     from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius
@@ -320,7 +320,8 @@ def _other_way(vary: str | None, down: bool, switch: int | None, shrink: bool, *
     if vary is not None:
         return "; leave --down out" if down else "; give --down"
     if switch is not None:
-        return "; leave --shrink out" if shrink else "; give --shrink"
+        other = "without --shrink" if shrink else "with --shrink"
+        return f"; {other} it goes the other way, which at a pitchfork has the same shapes"
     return "; the other half of this branch has the same shapes" if from_cylinder else ""
 
 

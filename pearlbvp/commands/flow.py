@@ -11,7 +11,7 @@ import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number
 from pearlbvp.commands.branch import MODES, given_options
-from pearlbvp.commands.command import Command
+from pearlbvp.commands.command import Command, of_this_command
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -174,7 +174,7 @@ def flow(
     write(table, out, plot, draw)
     advice = f"; {result.advice}" if result.advice else ""
     where = "" if radius == 1 else " (this line is in units of the radius)"
-    print(f"pearlbvp: {result.status}: {result.reason}{advice}{where}", file=sys.stderr)
+    print(f"pearlbvp: {result.status}: {of_this_command(result.reason + advice)}{where}", file=sys.stderr)
     whole = _say_end(result, save_end, radius)
     if result.status == "interrupted":
         return INTERRUPTED

@@ -211,7 +211,7 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
     special: list[SpecialPoint[P]] = [SpecialPoint("start", 0)]
 
     def end(reason: str, kind: str = "end", advice: str = "") -> Branch[P]:
-        if kind == "end":
+        if kind == "end" and reason != INTERRUPTED:
             reason += "".join(f"; {name} {MOVED_AWAY}" for name in _left_behind(points, options.until)) or advice
         special.append(SpecialPoint(kind, len(points) - 1))
         return Branch(points, special, reason, kind == "stop")
@@ -256,12 +256,15 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
     except np.linalg.LinAlgError as error:
         return end(f"a spectrum could not be computed ({error}); stop before, or take shorter steps")
     except KeyboardInterrupt:
-        return end("interrupted")
+        return end(INTERRUPTED)
     except SystemError as error:  # what an interruption inside compiled code turns into
         if not isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
             raise
-        return end("interrupted")
+        return end(INTERRUPTED)
 
+
+INTERRUPTED = "interrupted"
+"""Reason of a branch that somebody stopped."""
 
 MOVED_AWAY = "moved away from its wanted value from the start on"
 

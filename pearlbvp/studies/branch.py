@@ -256,7 +256,7 @@ def followed(
     curve = follow(
         branch, found[number - 1], parameter, replace(options, folds=(vary, "v"), limit=bounded), upwards=upwards
     )
-    return _up_to_straight(curve, excess) if curve.reason == STRAIGHT else curve
+    return _up_to_straight(curve, excess) if curve.reason.startswith(STRAIGHT) else curve
 
 
 STRAIGHT = "the shapes become the straight tube; beyond, the curve would repeat their mirror images"
