@@ -5,23 +5,14 @@ import io
 import numpy as np
 import pandas as pd
 import pytest
+from commands import run
 
-from pearlbvp.cli import main
 from pearlbvp.studies.branch import branch_options, pearl_branch, switched
 from pearlbvp.studies.mesh import mesh_branch
 from pearlbvp.studies.saved import save
 from pearlbvp.studies.tube import tube_branch
 
 COLUMNS = ["t", "E", "lambda1", "lambda2", "area_error", "volume_error", "velocity"]
-
-
-def run(capsys, *arguments):
-    """Exit status, standard output and standard error of a call in this process."""
-    with pytest.raises(SystemExit) as left:
-        main(list(arguments))
-    captured = capsys.readouterr()
-    said = [line for line in captured.err.splitlines(keepends=True) if not line.startswith("pearlbvp: compiling")]
-    return left.value.code, captured.out, "".join(said)
 
 
 @pytest.fixture(scope="module")

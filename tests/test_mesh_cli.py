@@ -5,6 +5,7 @@ import io
 import numpy as np
 import pandas as pd
 import pytest
+from commands import run
 
 from pearlbvp.cli import main
 from pearlbvp.continuation.path import Point
@@ -18,15 +19,6 @@ from pearlbvp.studies.tube import tube_branch
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
            "critical", "c0", "L", "mu_error"]  # fmt: skip
-
-
-def run(capsys, *arguments):
-    """Exit status, standard output and standard error of a call in this process."""
-    with pytest.raises(SystemExit) as left:
-        main([str(word) for word in arguments])
-    captured = capsys.readouterr()
-    said = [line for line in captured.err.splitlines(keepends=True) if not line.startswith("pearlbvp: compiling")]
-    return left.value.code, captured.out, "".join(said)
 
 
 def table_of(out):

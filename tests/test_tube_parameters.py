@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from commands import run
 from scipy.optimize import brentq
 
-from pearlbvp.cli import main
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import STRAIGHT_WAVE, branch_options, followed, varied
@@ -193,12 +193,11 @@ def test_rings_are_refused():
             study()
 
 
-def run(capsys, *arguments):
+def rows_of(capsys, *arguments):
     """Table of ``pearlbvp branch coil``, which has to succeed."""
-    with pytest.raises(SystemExit) as left:
-        main(["branch", "coil", *arguments])
-    assert left.value.code == 0
-    return pd.read_csv(io.StringIO(capsys.readouterr().out), keep_default_na=False)
+    status, out, err = run(capsys, "branch", "coil", *arguments)
+    assert status == 0, err
+    return pd.read_csv(io.StringIO(out), keep_default_na=False)
 
 
 def test_tubes_are_varied_and_followed_from_the_command_line(coils, capsys, tmp_path):
@@ -206,14 +205,14 @@ def test_tubes_are_varied_and_followed_from_the_command_line(coils, capsys, tmp_
     save(coils, saved)
     arguments = ["--resume", str(saved), "--vary", "c0", "--down"]
     place = coils.find("bp")[0].index
-    table = run(capsys, *arguments, "--point", str(place), "--until", "c0=0.47", "--save", str(moved))
+    table = rows_of(capsys, *arguments, "--point", str(place), "--until", "c0=0.47", "--save", str(moved))
     assert table.special.iloc[-1] == "stop"  # what the branch starts at is not met once more
     assert table.c0.iloc[-1] == 0.47
     assert table.v.iloc[-1] == pytest.approx(0.906194, abs=1e-6)
-    table = run(capsys, "--resume", str(moved), "--vary", "L", "--keep", "lambda2", "--until", "L=10.2")
+    table = rows_of(capsys, "--resume", str(moved), "--vary", "L", "--keep", "lambda2", "--until", "L=10.2")
     assert np.ptp(table.lambda2) == 0
     assert table.L.iloc[-1] == 10.2
     plot = tmp_path / "f.png"
-    table = run(capsys, *arguments, "--follow", "bp:1", "--until", "c0=0.47", "--plot", str(plot))
+    table = rows_of(capsys, *arguments, "--follow", "bp:1", "--until", "c0=0.47", "--plot", str(plot))
     assert table.c0.iloc[-1] == pytest.approx(0.47, abs=1e-10)
     assert plot.read_bytes()[:4] == b"\x89PNG"

@@ -26,7 +26,7 @@ import numpy as np
 
 from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Trouble
+from pearlbvp.flow.problem import Array, Law, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
 
 MOST_POINTS = 1024
@@ -116,8 +116,7 @@ class GraphFlow:
     steepest: float = 20.0
 
     def __post_init__(self) -> None:
-        if self.law not in get_args(Law):
-            raise InputError(f"law: {self.law!r} is none of {', '.join(get_args(Law))}")
+        check_law(self.law, diffusion=True)
         if self.points % 2 or not 8 <= self.points <= MOST_POINTS:
             raise InputError(f"points: {self.points} is no even number from 8 to {MOST_POINTS}")
 

@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -21,7 +21,7 @@ from scipy.sparse.linalg import splu
 
 from pearlbvp.bordered import factorized
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Trouble
+from pearlbvp.flow.problem import Array, Law, Trouble, check_law
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -77,10 +77,7 @@ class MeshFlow:
     pressure: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.law not in get_args(Law):
-            raise InputError(f"law: {self.law!r} is none of {', '.join(get_args(Law))}")
-        if self.law == "diffusion":
-            raise InputError("law: the H^-1 flow is built for axisymmetric shapes; choose 'area and volume' or 'area'")
+        check_law(self.law)
 
     @property
     def length(self) -> float:

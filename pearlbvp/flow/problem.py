@@ -10,16 +10,30 @@ rates of the flow near an equilibrium are those of ``pearlbvp.stability``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+
+from pearlbvp.errors import InputError
 
 Array = NDArray[np.float64]
 
 Law = Literal["area and volume", "area", "diffusion"]
 """What the flow keeps: area and volume; the area alone, at given pressure difference; or the area in the ``H^-1`` flow
 ``V_t = -Lap G``, which keeps the volume by itself (paper, §6)."""
+
+
+def check_law(law: str, diffusion: bool = False) -> None:
+    """Refuse what is no law, or one that a discretization does not have.
+
+    Raises:
+        InputError: the law, and which to choose.
+    """
+    if law not in get_args(Law):
+        raise InputError(f"law: {law!r} is none of {', '.join(get_args(Law))}")
+    if law == "diffusion" and not diffusion:
+        raise InputError("law: the H^-1 flow is built for axisymmetric shapes; choose 'area and volume' or 'area'")
 
 
 class Trouble(NamedTuple):

@@ -17,7 +17,7 @@ from typing import Any, get_args
 import numpy as np
 
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Trouble
+from pearlbvp.flow.problem import Array, Law, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
 from pearlbvp.flow.tensor import DISPLACEMENT, FIELDS, Tensor
 from pearlbvp.tube.density import gradients, hessians
@@ -51,10 +51,7 @@ class TubeFlow:
     pressure: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.law not in get_args(Law):
-            raise InputError(f"law: {self.law!r} is none of {', '.join(get_args(Law))}")
-        if self.law == "diffusion":
-            raise InputError("law: the H^-1 flow is built for axisymmetric shapes; choose 'area and volume' or 'area'")
+        check_law(self.law)
         along, around = self.size
         if along < 1 or around < 2 or (2 * along + 1) * (2 * around + 1) > MOST_MODES:
             raise InputError(f"size: {along} x {around} modes are too few or more than {MOST_MODES} functions")

@@ -7,7 +7,7 @@ are ``s^4`` times those in the flow's own units.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -123,15 +123,21 @@ def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[
     problem = problem.pinned_at(dict(zip(problem.modes, problem.packed(known), strict=True)))
     parameters = [found["lambda1"] * scale**2, found["lambda2"] * scale**3, found["v"] / scale**2]
     u = _at_its_volume(problem, np.append(problem.packed(known), parameters))
-    for _ in range(MOST_REMESHES):
-        moved = problem.remesh(u)
-        if moved is None:
-            break
-        problem, (u,) = moved
-        u = _at_its_volume(problem, u)
+    problem, u = _resolved(problem, u, _at_its_volume)
     energy = problem.observables(u)["E"]
     if abs(energy - found["E"] * scale**2) > UNLIKE * abs(energy):
         raise InputError("flow: Newton's method left its end for another equilibrium; let it flow on more modes")
+    return problem, u
+
+
+def _resolved(problem: Any, u: Array, solve: Callable[[Any, Array], Array]) -> tuple[Any, Array]:
+    """The solution on as many modes, or as fine a mesh, as it needs."""
+    for _ in range(MOST_REMESHES):
+        changed = problem.remesh(u)
+        if changed is None:
+            break
+        problem, (u,) = changed
+        u = solve(problem, u)
     return problem, u
 
 
@@ -212,14 +218,7 @@ def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlPr
     problem, u, why = pearl_of_graph(tube, found["v"] / scale**2, cosines[::pearls] / scale, tolerance=tolerance)
     if why:
         raise InputError(f"flow: its end led to no equilibrium of the arclength problem ({why})")
-    problem = replace(problem, cells=pearls)
-    for _ in range(MOST_REMESHES):
-        changed = problem.remesh(u)
-        if changed is None:
-            break
-        problem, (u,) = changed
-        u = _corrected(problem, u)
-    return problem, u
+    return _resolved(replace(problem, cells=pearls), u, _corrected)
 
 
 def _corrected(problem: PearlProblem, u: Array) -> Array:
