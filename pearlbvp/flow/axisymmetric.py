@@ -312,6 +312,11 @@ class GraphFlow:
         return "axisymmetric shapes"
 
     @property
+    def creeps(self) -> bool:
+        """Trigonometric interpolants are shifted exactly."""
+        return False
+
+    @property
     def wanted_resolution(self) -> float:
         """Spectral: ten digits cost little more than five."""
         return 1e-9

@@ -229,7 +229,7 @@ class _Run:
 
     def _of_the_shape(self, velocity: float) -> float:
         """Largest normal velocity without rigid motions: a mesh's error lets shapes creep over it long after they rest."""
-        if velocity > SLOW * self.options.velocity:
+        if not self.state.problem.creeps or velocity > SLOW * self.options.velocity:
             return velocity
         problem, q, rate = self.state.problem, self.state.q, self.state.rate
         motions = problem.kernels(q, self.state.multipliers)
@@ -287,6 +287,9 @@ class _Run:
         state = self.state
         end = polished(state.problem, state.q, state.multipliers, state.kept)
         rate = f"among {state.problem.space}: the largest growth rate is {end.growth_rates[0]:.3g}"
+        whole = state.record.rows["velocity"][-1]
+        if whole > self.options.velocity:
+            rate += f"; as a whole it creeps at {whole:.1e}, by the mesh's error"
         if end.stable:
             return _Ending("steady", f"it rests on a shape that is stable {rate}", "", end)
         if self.rest.for_good(velocity):

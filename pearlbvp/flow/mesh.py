@@ -230,6 +230,11 @@ class MeshFlow:
         return None
 
     @property
+    def creeps(self) -> bool:
+        """A mesh has no continuous symmetry."""
+        return True
+
+    @property
     def wanted_resolution(self) -> float:
         """Meshes are renewed by ``remeshed`` alone."""
         return 1.0

@@ -66,6 +66,10 @@ class FlowProblem(Protocol):
         """What shapes it can describe, for messages: stability is judged among them."""
 
     @property
+    def creeps(self) -> bool:
+        """Whether rigid motions are neutral only up to the discretization's error, so that shapes creep along them."""
+
+    @property
     def wanted_resolution(self) -> float:
         """The ``resolution`` beyond which the surface is to be refined, unless a user says otherwise."""
 

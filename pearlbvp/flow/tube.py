@@ -281,6 +281,11 @@ class TubeFlow:
         return "tubes of all symmetries"
 
     @property
+    def creeps(self) -> bool:
+        """Products of Fourier functions are shifted and turned exactly."""
+        return False
+
+    @property
     def wanted_resolution(self) -> float:
         """Spectral: the energy is then good to ten digits."""
         return 1e-5
