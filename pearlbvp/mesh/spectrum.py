@@ -169,13 +169,13 @@ def leading(
     """
     pinned = Pinned.of(second, pins)
     unstable = pinned.negative(rows)
-    bordered = pinned.bordered(rows.T, rows, np.zeros((len(rows), len(rows))))
+    inverse = Inverse.of(pinned, rows, second, mass)
     wanted = {block: unstable + count for block, count in counts.items()}
     while True:
         found = {
             block: _of_symmetry(second, mass, rows, orbits, number)
             if block.name == "symmetric" and orbits is not None and orbits.max() < DENSE
-            else _nearest_zero(second, mass, bordered, number, _projection(block, orbits))
+            else _nearest_zero(second, mass, inverse, number, _projection(block, orbits))
             for block, number in wanted.items()
         }
         modes = Modes({b: rates for b, (rates, _) in found.items()}, {b: w for b, (_, w) in found.items()}, unstable)
@@ -197,23 +197,63 @@ def _projection(block: MeshBlock, orbits: Integers | None) -> Callable[[Array], 
     return lambda w: w - mean(orbits, w)
 
 
+SINGULAR = 1e-6
+"""Growth rate below which a mode is neutral to the inverse: others would drown in its rounding."""
+
+SHIFT = 1e-2
+"""Growth rate about which the inverse is taken instead."""
+
+
+@dataclass(frozen=True)
+class Inverse:
+    """The inverse of ``second - shift mass`` on what some rows annihilate.
+
+    Attributes:
+        bordered: the matrix with the rows.
+        shift: 0, or where there is a neutral mode a little beside it.
+    """
+
+    bordered: Bordered
+    shift: float
+
+    @classmethod
+    def of(cls, pinned: Pinned, rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix) -> Inverse:
+        """From the second variation, factorized; two steps of inverse iteration say whether a mode is neutral."""
+        corner = np.zeros((len(rows), len(rows)))
+        found = cls(pinned.bordered(rows.T, rows, corner), 0.0)
+        vector = found(mass @ np.random.default_rng(1).standard_normal(second.shape[0]))
+        vector /= np.sqrt(vector @ (mass @ vector))
+        grown = found(mass @ vector)
+        if grown @ (mass @ grown) < 1 / SINGULAR**2:
+            return found
+        shifted = Pinned.of((second - SHIFT * mass).tocsc(), pinned.pins)
+        return cls(shifted.bordered(rows.T, rows, corner), SHIFT)
+
+    def __call__(self, load: Array) -> Array:
+        """The displacement under a load, both of shape (V,)."""
+        zero = np.zeros((len(self.bordered.rows), 1))
+        return self.bordered.solve(load.reshape(-1, 1), zero, 0)[: len(load), 0]
+
+
 def _nearest_zero(
     second: sparse.csc_matrix,
     mass: sparse.csc_matrix,
-    bordered: Bordered,
+    inverse: Inverse,
     number: int,
     project: Callable[[Array], Array],
 ) -> tuple[Array, Array]:
     """Growth rates nearest zero, largest first, and their perturbations, by Lanczos' method on the inverse."""
-    size, zero = second.shape[0], np.zeros((len(bordered.rows), 1))
+    size = second.shape[0]
 
-    def inverse(load: Array) -> Array:
-        return project(bordered.solve(load.reshape(-1, 1), zero, 0)[:size, 0])
+    def of_block(load: Array) -> Array:
+        return project(inverse(load.ravel()))
 
-    operator = LinearOperator((size, size), matvec=inverse, dtype=np.float64)
-    start = inverse(mass @ np.random.default_rng(0).standard_normal(size))
+    operator = LinearOperator((size, size), matvec=of_block, dtype=np.float64)
+    start = of_block(mass @ np.random.default_rng(0).standard_normal(size))
     try:
-        values, vectors = eigsh(second, min(number, size // 2), mass, sigma=0.0, OPinv=operator, v0=start, tol=1e-10)
+        values, vectors = eigsh(
+            second, min(number, size // 2), mass, sigma=inverse.shift, OPinv=operator, v0=start, tol=1e-10
+        )
     except sparse.linalg.ArpackNoConvergence as error:
         raise np.linalg.LinAlgError(f"Lanczos' method: {error}") from None
     order = np.argsort(values)
