@@ -50,13 +50,14 @@ Surface = Callable[[Array, Array], Array]
 """Points, shape (K, 3), of parameters ``x`` and ``phi``, shape (K,), with ``x + L`` a period further along."""
 
 
-def divisions(length: float, nodes: int) -> tuple[int, int]:
+def divisions(length: float, nodes: int, coil: tuple[int, int] | None = None) -> tuple[int, int]:
     """Rows along the tube (even, every other one shifted by half a node) and nodes in each, best in quality.
 
     The best triangles are equilateral: rows at ``sqrt(3)/2`` of the nodes' distance. Among pairs with a number of
-    nodes within a tenth of the wanted one, that of the smallest ``e_M (e_1 + e_2 + e_3)/(2 |T|)`` (paper, eq. (mq)).
+    nodes within a tenth of the wanted one, that of the smallest ``e_M (e_1 + e_2 + e_3)/(2 |T|)`` (paper, eq. (mq)). For
+    coils it is one that keeps some of their screws, where there is one.
     """
-    best, chosen = math.inf, (4, 4)
+    best, chosen = (True, math.inf), (4, 4)
     for around in range(5, max(6, nodes // 4) + 1):
         for rows in {2 * round(nodes / around / 2 + step) for step in (-1, 0, 1)}:
             if rows < 4 or abs(rows * around / nodes - 1) > 0.1:
@@ -67,14 +68,31 @@ def divisions(length: float, nodes: int) -> tuple[int, int]:
             half = (base + 2 * slanted) / 2
             area = math.sqrt(half * (half - base) * (half - slanted) ** 2)
             quality = max(base, slanted) * 2 * half / (2 * area)
-            score = quality + abs(rows * around / nodes - 1)  # of equally good ones the nearest in number
+            if quality > POOREST:
+                continue
+            without = coil is not None and screws(rows, around, *coil) < ENOUGH_SCREWS
+            score = without, quality + abs(rows * around / nodes - 1)  # of equally good ones the nearest in number
             if score < best:
                 best, chosen = score, (rows, around)
-    if best > POOREST:
+    if best[1] == math.inf:
         raise InputError(
             f"nodes: {nodes} are too few for good triangles on a tube of length {length:g}; give {fewest(length)} or more"
         )
     return chosen
+
+
+ENOUGH_SCREWS = 4
+"""Screws in a mesh's symmetry that tell a coil from what has one or two waves along it."""
+
+
+def screws(rows: int, around: int, m: int, n: int) -> int:
+    """Number of the screws of a coil ``cos(m k x - n phi)``, ``k = 2 pi/L``, by some rows that map its mesh onto itself.
+
+    ``p`` rows go with a turn by ``2 pi m p/(n rows)``: a whole number of nodes' distances, or for odd ``p`` half of one more.
+    """
+    p = np.arange(rows)
+    halves, rest = np.divmod(2 * m * p * around, n * rows)
+    return int(((rest == 0) & ((halves - p) % 2 == 0)).sum())
 
 
 def fewest(length: float) -> int:
@@ -85,7 +103,9 @@ def fewest(length: float) -> int:
     return math.ceil(1.2 * max(4, rows) * max(5, around))
 
 
-def tube_mesh(length: float, nodes: int, surface: Surface | None = None) -> PeriodicMesh:
+def tube_mesh(
+    length: float, nodes: int, surface: Surface | None = None, coil: tuple[int, int] | None = None
+) -> PeriodicMesh:
     """A structured mesh of a tube with about ``nodes`` vertices: by default the straight tube of radius 1.
 
     Rows at ``x = const``, every other one turned by half a node: it has planes of reflection both ways.
@@ -94,6 +114,7 @@ def tube_mesh(length: float, nodes: int, surface: Surface | None = None) -> Peri
         length: the period.
         nodes: vertices wanted; the number taken is within a tenth of it.
         surface: points of other tubes by ``x`` and ``phi``.
+        coil: waves along and around of a coil whose screws the mesh is to keep.
 
     Raises:
         InputError: too few nodes, or a surface that gives no good mesh.
@@ -102,7 +123,7 @@ def tube_mesh(length: float, nodes: int, surface: Surface | None = None) -> Peri
         raise InputError(f"nodes: {nodes} make no tube; give 20 or more")
     if nodes > MOST_NODES:
         raise InputError(f"nodes: {nodes} are more than the {MOST_NODES} that fit in memory; give fewer")
-    rows, around = divisions(length, int(nodes))
+    rows, around = divisions(length, int(nodes), coil)
     j, i = np.divmod(np.arange(rows * around), around)
     x, phi = length * j / rows, 2 * np.pi * (i + 0.5 * (j % 2)) / around
     odd = j % 2

@@ -69,7 +69,9 @@ def mesh_branch(
         InputError: an argument that cannot be used.
     """
     tube = Tube(c0, length)
-    problem, u, direction = onset(tube, family, *mode, tube_mesh(tube.length, nodes), kind)
+    problem, u, direction = onset(
+        tube, family, *mode, tube_mesh(tube.length, nodes, coil=mode if family == "coil" else None), kind
+    )
     problem = replace(problem, adapt=adapt or AdaptOptions(), fixed=fixed).symmetric(u, direction)
     start = start_point(problem, u, direction)
     return continue_branch(start, options or branch_options(), at_bifurcation=True)
@@ -121,7 +123,10 @@ def shape_mesh(point: BranchPoint[Any] | Point[Any], nodes: int | PeriodicMesh =
         return point.problem.surface(point.u)
     length = point.observables["L"]
     surface = _surface(point.problem, point.u)
-    return carried(nodes, surface) if isinstance(nodes, PeriodicMesh) else tube_mesh(length, nodes, surface)
+    if isinstance(nodes, PeriodicMesh):
+        return carried(nodes, surface)
+    turns = point.problem.symmetry.turns if point.problem.stored_as == "tube" else 0
+    return tube_mesh(length, nodes, surface, (turns, 1) if turns else None)
 
 
 def mesh_table(mesh: PeriodicMesh, c0: float, kind: Kind = "subdivision") -> pd.DataFrame:
