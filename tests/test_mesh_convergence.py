@@ -153,3 +153,18 @@ def test_amplitudes_of_coils_and_buckles(family):
             assert value - own == pytest.approx(predicted[name] - cylinder[name], abs=fourth * A**4 + 2e-3)
     (first, wrong), (last, more) = found
     assert np.log(more / wrong) / np.log(last / first) == pytest.approx(2, abs=0.35)
+
+
+@pytest.mark.parametrize(("kind", "order"), [("subdivision", 4), ("cotangent", 2)])
+@pytest.mark.parametrize("family", ["coil", "buckle"])
+def test_rigid_motions_tell_the_error_of_growth_rates(family, kind, order):
+    """``mu_error`` beside the true error of ``mu_crit``, from the spectrum in reduced modes: of its size, and of its order."""
+    point = tube_branch(0.0, L, family, (1, 1), branch_options({"v": 0.95})).points[-1]
+    known, true = [], []
+    for nodes in (500, 1000):
+        problem, u = meshed(point, nodes, kind=kind)
+        spectrum = problem.spectrum(u)
+        known.append(spectrum.residual * problem.mesh.count ** (order / 2))
+        true.append(abs(spectrum.mu_crit - point.spectrum.mu_crit))
+        assert 0.1 < spectrum.residual / true[-1] < 10
+    assert known[1] == pytest.approx(known[0], rel=0.25)

@@ -200,7 +200,7 @@ class MeshFlow:
         r, vertices = self.reference, self.vertices(q)
         second = self._second(q, multipliers)
         mass, motions = r.functional.normal_mass(vertices, r.directions)
-        return np.ascontiguousarray(factorized(mass).solve(independent(motions, second, mass, r.pins).T).T)
+        return np.ascontiguousarray(independent(motions, second, mass, r.pins)[1].T)
 
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Largest growth rates of all displacements of the vertices; see ``MeshProblem.modes``."""

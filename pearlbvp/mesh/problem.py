@@ -190,8 +190,10 @@ class MeshProblem:
         mass, motions = self.functional.normal_mass(vertices, self.directions)
         kept = sums.gradients[1:] if self.fixed == "area and volume" else sums.gradients[1:2]
         unit = kept / np.linalg.norm(kept, axis=1)[:, None] * np.linalg.norm(motions[1])
-        rows = np.vstack([independent(some, second, mass, self.pins) for some in (unit, motions)])
-        return leading(second, mass, rows, self.pins, counts, self.orbits)
+        constraints, _ = independent(unit, second, mass, self.pins)
+        rigid, moved = independent(motions, second, mass, self.pins)
+        modes = leading(second, mass, np.vstack((constraints, rigid)), self.pins, counts, self.orbits)
+        return replace(modes, residual=float(np.abs(np.linalg.eigvalsh(moved.T @ (second @ moved))).max()))
 
     def modes(self, u: Array, count: int = RATES) -> tuple[Array, Array, int]:
         """Leading growth rates, their displacements as columns, shape (V, count), and the number of positive rates."""
@@ -205,7 +207,7 @@ class MeshProblem:
     def spectrum(self, u: Array) -> MeshSpectrum:
         """The leading growth rates, and whether all positive ones are among them."""
         modes = self.block_modes(u, dict.fromkeys(self._blocks, RATES))
-        return MeshSpectrum(modes.rates, modes.complete)
+        return MeshSpectrum(modes.rates, modes.complete, modes.residual)
 
     def block_rates(self, u: Array, block: MeshBlock, like: MeshSpectrum) -> Array:
         """The leading growth rates of a block, largest first."""
@@ -353,7 +355,7 @@ def phase_rows(problem: MeshProblem, u: Array) -> Array:
     vertices, directions = problem.vertices(u), problem.directions
     second, _ = problem.functional.hessian(vertices, directions, problem.c0, u[-3], u[-2])
     mass, motions = problem.functional.normal_mass(vertices, directions)
-    return independent(motions, second, mass, problem.pins)
+    return independent(motions, second, mass, problem.pins)[0]
 
 
 def about(

@@ -8,6 +8,7 @@ those that break it are found apart: projections commute with all matrices.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -56,10 +57,12 @@ class MeshSpectrum:
     Attributes:
         rates: the largest, largest first, rigid motions left out.
         complete: whether the number of positive ones is that of the inertia.
+        residual: error of the rates: the largest rate, in size, of the rigid motions, which are neutral.
     """
 
     rates: Mapping[MeshBlock, Array]
     complete: bool = True
+    residual: float = math.nan
 
     @property
     def n_unstable(self) -> int:
@@ -76,14 +79,10 @@ class MeshSpectrum:
         """The largest growth rate."""
         return float(self.rates[self.critical][0])
 
-    @property
-    def residual(self) -> float:
-        """Error of the rates: not known, for rigid motions that move no vertex along its normal are exact on every mesh."""
-        return float("nan")
-
     def to_tree(self) -> dict[str, Any]:
         """Everything as arrays and numbers, to be saved."""
-        return {f"rates_{block.name}": rates for block, rates in self.rates.items()} | {"complete": self.complete}
+        rates = {f"rates_{block.name}": rates for block, rates in self.rates.items()}
+        return rates | {"complete": self.complete, "residual": self.residual}
 
     @classmethod
     def from_tree(cls, tree: Mapping[str, Any]) -> MeshSpectrum:
@@ -91,11 +90,11 @@ class MeshSpectrum:
         # Files sort names; special points count the blocks in the order in which problems have them.
         names = [name for name in ("all", "symmetric", "breaking") if f"rates_{name}" in tree]
         rates = {MeshBlock(name): np.asarray(tree[f"rates_{name}"], dtype=float) for name in names}
-        return cls(rates, bool(tree["complete"]))
+        return cls(rates, bool(tree["complete"]), float(tree.get("residual", math.nan)))
 
 
-def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix, pins: Integers) -> Array:
-    """Combinations of rows that stand for smooth displacements, unit ones, without those that are none.
+def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix, pins: Integers) -> tuple[Array, Array]:
+    """Combinations of rows that stand for smooth displacements, unit ones, without those that are none; and these.
 
     On the straight tube a shift along it moves no point along the normal, and on a mesh all but none; what remains is
     roughness, and no kernel. So rows ``r`` are smoothed, ``w = s (second + s mass)^{-1} r``: a kernel is left as it is, of
@@ -108,14 +107,15 @@ def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix,
         pins: vertices for the factorization.
 
     Returns:
-        Shape (rank, V).
+        The rows, shape (rank, V), and the smoothed displacements, orthonormal in the mass, shape (V, rank).
     """
     none = np.zeros((0, second.shape[0]))
     smoothed = Pinned.of((second + SMOOTH * mass).tocsc(), pins).bordered(none.T, none, np.zeros((0, 0)))
     motions = SMOOTH * smoothed.solve(np.ascontiguousarray(rows.T), np.zeros((0, len(rows))), 0)
     squares, vectors = np.linalg.eigh(motions.T @ (mass @ motions))
     kept = squares > NOTHING * mass.sum()
-    return np.asarray((vectors[:, kept] / np.sqrt(squares[kept])).T @ rows)
+    chosen = vectors[:, kept] / np.sqrt(squares[kept])
+    return np.asarray(chosen.T @ rows), np.asarray(motions @ chosen)
 
 
 @dataclass(frozen=True)
@@ -126,11 +126,13 @@ class Modes:
         rates: of each block, largest first, shape (k,).
         vectors: perturbations as columns, shape (V, k).
         unstable: number of positive rates in all blocks together, by inertia.
+        residual: as in ``MeshSpectrum``.
     """
 
     rates: dict[MeshBlock, Array]
     vectors: dict[MeshBlock, Array]
     unstable: int
+    residual: float = math.nan
 
     @property
     def complete(self) -> bool:
