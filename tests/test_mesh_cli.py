@@ -103,6 +103,7 @@ def test_an_interruption_inside_compiled_code_keeps_what_was_computed(capsys, mo
     paths = [tmp_path / name for name in ("b.h5", "b.csv", "b.png")]
     written = itertools.chain(*zip(("--save", "--out", "--plot"), paths, strict=True))
     status, _, err = run(capsys, "branch", "coil", "--c0", 0, "--length", 10, "--nodes", 100, *written)
+    monkeypatch.undo()
     assert status == 130
     assert err.splitlines()[-1].startswith("pearlbvp: ")
     assert err.rstrip().endswith("interrupted")
