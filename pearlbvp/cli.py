@@ -74,7 +74,9 @@ def _run(arguments: list[str] | None) -> int:
         print("pearlbvp: interrupted", file=sys.stderr)
         return INTERRUPTED
     except SystemError as error:  # what an interruption inside compiled code turns into
-        if not isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+        from pearlbvp.compiled import is_interruption
+
+        if not is_interruption(error):
             raise
         print("pearlbvp: interrupted", file=sys.stderr)
         return INTERRUPTED

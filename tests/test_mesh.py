@@ -195,6 +195,17 @@ def _closed(a):
     a["wraps"] = 0 * a["wraps"]
 
 
+def _part_of_the_period(part):
+    def change(a):
+        """Half or a third of the period, with the wraps that go with it: edges cross as many periods as there are."""
+        periods = np.floor(part * a["vertices"][:, 0] / L).astype(int)
+        a["wraps"] = part * a["wraps"] + periods[a["triangles"]]
+        a["vertices"] = a["vertices"] - np.outer(periods, [L / part, 0, 0])
+        a["length"] = L / part
+
+    return change
+
+
 def _two_tubes(a):
     count = len(a["vertices"])
     a["vertices"] = np.vstack((a["vertices"], a["vertices"] + [0, 5, 0]))
@@ -214,7 +225,9 @@ def _two_tubes(a):
         (_beyond, "triangles: triangle 2 has corners"),
         (_period, "length: the edge from vertex .* spans"),
         (_no_period, "length: the period -1"),
-        (_closed, "wraps: no edge"),
+        (_closed, "wraps: no loop"),
+        (_part_of_the_period(2), "length: .* closes only after 2 periods of 5; give 10"),
+        (_part_of_the_period(3), "length: .* closes only after 3 periods of 3.33333; give 10"),
         (_two_tubes, "vertices: vertex .* cannot be reached"),
     ],
 )

@@ -1,6 +1,7 @@
 """Triangulated tubes from the command line: ``pearlbvp branch --nodes`` and ``pearlbvp mesh``."""
 
 import io
+import itertools
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ from commands import run
 from pearlbvp.cli import main
 from pearlbvp.continuation.path import Point
 from pearlbvp.continuation.segment import Segment
+from pearlbvp.mesh import functional
 from pearlbvp.mesh.families import fewest, tube_mesh
 from pearlbvp.mesh.files import read_mesh
 from pearlbvp.studies.branch import branch_options, pearl_branch
@@ -77,12 +79,56 @@ def test_pressure_is_kept_on_meshes_too(capsys, tmp_path):
         assert (problem.fixed, problem.kind) == (fixed, "cotangent" if further else "subdivision")
 
 
+def interrupted_in_compiled_code(*_):
+    """What numba makes of an interruption: a chain of errors, one for each C function on the way out."""
+    try:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise SystemError("<function _numba_unpickle> returned a result with an exception set") from error
+    except SystemError as error:
+        raise SystemError("CPUDispatcher(<function limit_sums>) returned a result with an exception set") from error
+
+
+@pytest.mark.parametrize(("sums", "files"), [(100, True), (0, False)])
+def test_an_interruption_inside_compiled_code_keeps_what_was_computed(capsys, monkeypatch, tmp_path, sums, files):
+    """After some points all is written; before the first there is nothing to write. Either way it is said in one line."""
+    loop, calls = functional.limit_sums, []
+
+    def interrupted(*arguments):
+        calls.append(None)
+        return loop(*arguments) if len(calls) <= sums else interrupted_in_compiled_code()
+
+    monkeypatch.setattr(functional, "limit_sums", interrupted)
+    paths = [tmp_path / name for name in ("b.h5", "b.csv", "b.png")]
+    written = itertools.chain(*zip(("--save", "--out", "--plot"), paths, strict=True))
+    status, _, err = run(capsys, "branch", "coil", "--c0", 0, "--length", 10, "--nodes", 100, *written)
+    monkeypatch.undo()
+    assert status == 130
+    assert err.splitlines()[-1].startswith("pearlbvp: ")
+    assert err.rstrip().endswith("interrupted")
+    assert [path.exists() for path in paths] == 3 * [files]
+    if files:
+        assert 1 < len(load(paths[0]).points) == len(pd.read_csv(paths[1]))
+
+
+def test_other_errors_inside_compiled_code_are_no_interruption(monkeypatch):
+    def broken(*_):
+        raise SystemError("a defect") from ValueError("of ours")
+
+    monkeypatch.setattr(functional, "limit_sums", broken)
+    with pytest.raises(SystemError, match="a defect"):
+        main(["branch", "coil", "--c0", "0", "--length", "10", "--nodes", "100"])
+
+
 @pytest.mark.parametrize(
     ("arguments", "name"),
     [
         (["--nodes", "5"], "--nodes"),
         (["--nodes", "1000000000"], "--nodes"),
-        (["--nodes", "many"], "Invalid value for '--nodes'"),
+        (["--nodes", "0"], "--nodes"),
+        (["--nodes", "1e6"], "--nodes: '1e6' is not a number of vertices; give a whole one up to 200000"),
+        (["--nodes", "100", "--length", "1e6"], "--length: 1e+06 radii are too long for a mesh"),
         (["--nodes", "30", "--mode", "9,0"], "--mode"),
         (["--nodes", "100", "--length", "1000"], "--nodes"),
         (["--nodes", "500", "--shape", "0.1", "--volume", "1"], "--shape"),
@@ -240,6 +286,12 @@ def test_a_point_of_a_branch_on_a_mesh_has_its_own_triangles(capsys, saved, tmp_
         ([], "--length, --from"),
         (["--length", "0"], "--length"),
         (["--length", "10", "--nodes", "4"], "--nodes"),
+        (["--length", "10", "--nodes", "0"], "--nodes"),
+        (["--length", "10", "--nodes", "-3"], "--nodes"),
+        (["--length", "10", "--nodes", "1e6"], "--nodes"),
+        (["--length", "10", "--nodes", "1000000"], "--nodes"),
+        (["--length", "1e6", "--nodes", "3000"], "--length"),
+        (["--length", "1e6"], "--length"),
         (["--length", "10", "--radius", "-1"], "--radius"),
         (["--length", "10", "--solve"], "--solve"),
         (["--length", "10", "--point", "A2"], "--point"),

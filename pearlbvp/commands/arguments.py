@@ -37,6 +37,38 @@ def _option(param: click.Parameter | None) -> str:
     return param.opts[0] if param is not None else "argument"
 
 
+class Nodes(click.ParamType):
+    """Vertices of a mesh: a whole number."""
+
+    name = "nodes"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Parse the text."""
+        try:
+            return int(value)
+        except ValueError:
+            from pearlbvp.mesh.families import MOST_NODES
+
+            raise InputError(
+                f"--nodes: {value!r} is not a number of vertices; give a whole one up to {MOST_NODES}"
+            ) from None
+
+
+def check_meshable(length: float) -> None:
+    """Refuse a tube of which no number of nodes makes good triangles.
+
+    Raises:
+        InputError: it is too long.
+    """
+    from pearlbvp.mesh.families import MOST_NODES, fewest
+
+    if (needed := fewest(length)) > MOST_NODES:
+        raise InputError(
+            f"--length: {length:g} radii are too long for a mesh, which would need {needed} nodes, of which {MOST_NODES} fit "
+            "in memory; give a shorter tube"
+        )
+
+
 class Until(click.ParamType):
     """``NAME=VALUE``."""
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import ModeNumbers, Number, Numbers, SpecialKind, Until
+from pearlbvp.commands.arguments import ModeNumbers, Nodes, Number, Numbers, SpecialKind, Until, check_meshable
 from pearlbvp.commands.command import Command, of_this_command
 from pearlbvp.commands.output import (
     DONE,
@@ -72,7 +72,7 @@ if TYPE_CHECKING:
 @click.option("--max-step", type=Number(), default=0.5, show_default=True, help="Largest step along the branch.")
 @click.option(
     "--nodes",
-    type=int,
+    type=Nodes(),
     metavar="N",
     help="Follow the branch on a triangulated tube of about N vertices.  [default: profiles or reduced modes]",
 )
@@ -270,6 +270,7 @@ def _on_a_mesh(family: Any, tube: Tube, mode: tuple[int, int], options: Any, nod
     """The branch of a family that leaves the straight tube at a mode, on a triangulated tube."""
     from pearlbvp.studies.mesh import mesh_branch
 
+    check_meshable(tube.length)
     return mesh_branch(tube.c0, tube.length, family, mode, nodes, options, **how)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import Number
+from pearlbvp.commands.arguments import Nodes, Number, check_meshable
 from pearlbvp.commands.branch import given_options
 from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import check_distinct, check_outputs, radius_option, write
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
               help="With --from: a point's number, a column's value, or a name of the paper.")  # fmt: skip
 @click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the straight tube.")
 @click.option("--c0", type=Number(), help="Without --from: spontaneous curvature, for the energy.  [default: 0]")
-@click.option("--nodes", type=int, metavar="N", help="Vertices, to within a tenth.  [default: 3000]")
+@click.option("--nodes", type=Nodes(), metavar="N", help="Vertices, to within a tenth.  [default: 3000]")
 @click.option("--discretization", type=click.Choice(["subdivision", "cotangent"]), default="subdivision",
               show_default=True, help="Of the energy, and with --solve of the equilibrium.")  # fmt: skip
 @click.option("--solve", is_flag=True, help="Let Newton's method find the equilibrium of the mesh at the same volume.")
@@ -74,11 +74,13 @@ def mesh(
     check_distinct({"--from": start, "--out": out, "--plot": plot})
     from pearlbvp.studies.mesh import NODES, mesh_table
 
+    nodes = NODES if nodes is None else nodes
     if source is None:
         from pearlbvp.mesh.families import tube_mesh
 
         tube = Tube.from_dimensional(c0 or 0.0, length, radius)  # type: ignore[arg-type]
-        surface, title = tube_mesh(tube.length, nodes or NODES), f"straight tube, L = {tube.length:g}"
+        check_meshable(tube.length)
+        surface, title = tube_mesh(tube.length, nodes), f"straight tube, L = {tube.length:g}"
         table = mesh_table(surface, tube.c0, discretization)
     else:
         from pearlbvp.studies import saved
@@ -89,7 +91,7 @@ def mesh(
         own = sorted(given & {"nodes", "discretization"})
         if own and at.problem.stored_as == "mesh":
             raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
-        surface, table = _of_a_point(at, nodes or NODES, discretization, solve)
+        surface, table = _of_a_point(at, nodes, discretization, solve)
         title = f"v = {at.observables['v']:.4f}, L = {at.observables['L']:g}"
     if out is not None:
         from pearlbvp.mesh.files import write_mesh

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from xml.etree.ElementTree import ParseError
 
 import meshio
 import numpy as np
@@ -14,7 +13,7 @@ from scipy.spatial import cKDTree
 from pearlbvp.errors import InputError
 from pearlbvp.files import writable, write_whole
 from pearlbvp.helfrich import positive
-from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.mesh.periodic import Array, Integers, MeshError, PeriodicMesh
 
 FORMATS = {".vtu": "vtu", ".ply": "ply", ".obj": "obj"}
 
@@ -78,7 +77,8 @@ def read_mesh(path: str | os.PathLike[str], length: float) -> PeriodicMesh:
         length: the period.
 
     Raises:
-        InputError: no such file, or it is no triangulated tube of that period; the message names the first element.
+        InputError: no such file, or it is no triangulated tube of that period; the message names the first element as
+            the file numbers it.
     """
     path, length = Path(path), positive("length", length)
     kind = _format("mesh", path)
@@ -88,28 +88,25 @@ def read_mesh(path: str | os.PathLike[str], length: float) -> PeriodicMesh:
         raise InputError(f"mesh: {path} cannot be read as PLY (its header does not end); export it again")
     try:
         found = meshio._helpers.reader_map[kind](str(path))  # meshio.read() ends the program where a file is broken
-    except (
-        meshio.ReadError,
-        ParseError,
-        OSError,
-        ValueError,
-        KeyError,
-        IndexError,
-        TypeError,
-        AssertionError,
-    ) as error:
+    except Exception:  # whatever its readers meet in a broken file; their words speak of their own inside
         raise InputError(
-            f"mesh: {path} cannot be read as {kind.upper()} ({str(error) or 'cut off'}); export it again"
+            f"mesh: {path} cannot be read as {kind.upper()}: it is broken or cut off; export it again"
         ) from None
     blocks = [np.asarray(block.data) for block in found.cells if block.type == "triangle"]
     others = sorted({block.type for block in found.cells} - {"triangle", "vertex", "line"})
     if others or not blocks:
         raise InputError(f"mesh: {path} has {', '.join(others) or 'no faces'}; give one of triangles only")
-    return joined(np.asarray(found.points, dtype=float), np.concatenate(blocks).astype(np.int64), length)
+    first = 1 if kind == "obj" else 0
+    return joined(np.asarray(found.points, dtype=float), np.concatenate(blocks).astype(np.int64), length, first)
 
 
-def joined(points: Array, triangles: np.ndarray, length: float) -> PeriodicMesh:
-    """A cut tube, shapes (P, 3) and (T, 3), as a periodic mesh: points a period apart become one vertex.
+def joined(points: Array, triangles: Integers, length: float, first: int = 0) -> PeriodicMesh:
+    """A cut tube as a periodic mesh: points a period apart become one vertex.
+
+    Args:
+        points, triangles: shapes (P, 3) and (T, 3).
+        length: the period.
+        first: number of the first point and triangle in messages, as the file counts them.
 
     Raises:
         InputError: the result is no tube.
@@ -117,10 +114,39 @@ def joined(points: Array, triangles: np.ndarray, length: float) -> PeriodicMesh:
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError(f"vertices: points of shape {points.shape} are not (P, 3); give x, y, z of each")
     if (triangles < 0).any() or (triangles >= len(points)).any():
-        raise InputError(f"triangles: a corner is none of the {len(points)} vertices; count them from 0")
+        last = len(points) - 1 + first
+        raise InputError(
+            f"triangles: a corner is none of the {len(points)} vertices; number them from {first} to {last}"
+        )
+    used = np.unique(triangles)
+    wrong = used[~np.isfinite(points[used]).all(axis=1)]
+    if len(wrong):
+        raise InputError(
+            f"vertices: vertex {wrong[0] + first} (of the file, from {first} on) at {points[wrong[0]]} is not finite; "
+            "give ordinary numbers"
+        )
+    vertex, wrap, kept = _merged(points, triangles, used, length)
+    low, high = points[used, 0].min(), points[used, 0].max()
+    if not wrap.any():
+        raise InputError(
+            f"length: no two points of the file lie {length:g} apart along x, which runs from {low:.6g} to {high:.6g}; "
+            "give the tube's period, its axis along x"
+        )
+    try:
+        return PeriodicMesh(points[kept], vertex[triangles], wrap[triangles], length)
+    except MeshError as error:
+        if (periods := round((high - low) / length)) > 1:  # then triangles that lie a period apart have become one
+            raise InputError(
+                f"length: the file runs from x = {low:.6g} to {high:.6g}, {periods} periods of {length:g}; "
+                "give the period of the whole, or a file of one period"
+            ) from None
+        raise error.renumbered(triangles, first) from None
+
+
+def _merged(points: Array, triangles: Integers, used: Integers, length: float) -> tuple[Integers, Integers, Integers]:
+    """Number and period of each point as a vertex, and the points that vertices are taken from."""
     edges = points[triangles] - points[np.roll(triangles, -1, axis=1)]
     near = SAME * float(np.linalg.norm(edges, axis=2).mean())
-    used = np.unique(triangles)
     angle = 2 * np.pi * points[used, 0] / length
     circle = length / (2 * np.pi)
     places = np.column_stack((circle * np.cos(angle), circle * np.sin(angle), points[used, 1:]))
@@ -131,4 +157,4 @@ def joined(points: Array, triangles: np.ndarray, length: float) -> PeriodicMesh:
     vertex, wrap = np.zeros(len(points), dtype=np.int64), np.zeros(len(points), dtype=np.int64)
     vertex[used] = number
     wrap[used] = np.round((points[used, 0] - points[first[used], 0]) / length).astype(np.int64)
-    return PeriodicMesh(points[kept], vertex[triangles], wrap[triangles], length)
+    return vertex, wrap, kept

@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
@@ -23,6 +21,34 @@ Integers = NDArray[np.int64]
 
 WORST = 100.0
 """Quality (eq. (mq)) beyond which a triangle is a sliver. Equilateral triangles have ``2 sqrt(3) = 3.46``."""
+
+
+class MeshError(InputError):
+    """A mesh that is none, said by its vertices and triangles; who made it from a file can say it by those of the file.
+
+    Attributes:
+        template: the message, with ``{0}``, ``{1}``, ``{2}`` for vertices and ``{triangle}`` for the first one's triangle.
+        corners: those vertices as corners: ``3 t + a`` is corner ``a`` of triangle ``t``.
+    """
+
+    template: str = ""
+    corners: tuple[int, ...] = ()
+
+    @classmethod
+    def at(cls, template: str, triangles: Integers, *corners: int, first: int = 0) -> MeshError:
+        """The error with the numbers of ``triangles``, shape (T, 3), whose counting begins with ``first``."""
+        corners = tuple(int(corner) for corner in corners)
+        numbers = triangles.ravel()[list(corners)] + first
+        error = cls(template.format(*numbers, triangle=corners[0] // 3 + first))
+        error.template, error.corners = template, corners
+        return error
+
+    def renumbered(self, triangles: Integers, first: int = 0) -> MeshError:
+        """The same with other numbers of the same triangles' corners; says where they begin."""
+        if not self.corners:
+            return self
+        template = f"{self.template} (numbers are the file's, from {first} on)"
+        return MeshError.at(template, triangles, *self.corners, first=first)
 
 
 @dataclass(frozen=True)
@@ -184,6 +210,30 @@ def _walk(start, first, twin):  # type: ignore[no-untyped-def]
     return order
 
 
+@compiled
+def _reached(start, order, head, shift):  # type: ignore[no-untyped-def]
+    """Whether each vertex is reached from the first one, and how many periods a tree of edges leads to it."""
+    count = start.size - 1
+    reached, periods = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.int64)
+    queue = np.empty(count, dtype=np.int64)
+    reached[0], queue[0], last = True, 0, 1
+    for place in range(count):
+        if place == last:
+            break
+        i = queue[place]
+        for h in order[start[i] : start[i + 1]]:
+            j = head[h]
+            if not reached[j]:
+                reached[j], periods[j], queue[last] = True, periods[i] + shift[h], j
+                last += 1
+    return reached, periods
+
+
+def _ends(half_edge: int) -> tuple[int, int]:
+    """A half-edge's ends as corners of its triangle."""
+    return half_edge, half_edge + 1 if half_edge % 3 < 2 else half_edge - 2
+
+
 def _first(wrong: Any) -> int | None:
     """Index of the first element that is wrong."""
     return int(np.argmax(wrong)) if wrong.any() else None
@@ -217,30 +267,42 @@ def _check_topology(mesh: PeriodicMesh) -> None:
     _, place, number = np.unique(keys, return_index=True, return_counts=True)
     if (number > 1).any():
         doubled = int(place[number > 1].min())
-        raise InputError(
-            f"triangles: the edge from vertex {mesh.tail[doubled]} to {mesh.head[doubled]} (triangle {doubled // 3}) runs the "
-            "same way in two "
-            "triangles; orient all triangles alike, with two at every edge"
+        raise MeshError.at(
+            "triangles: the edge from vertex {0} to {1} (triangle {triangle}) runs the same way in two triangles; "
+            "orient all triangles alike, with two at every edge",
+            triangles,
+            *_ends(doubled),
         )
     if (h := _first(mesh.twin < 0)) is not None:
-        raise InputError(
-            f"triangles: the edge from vertex {mesh.tail[h]} to {mesh.head[h]} (triangle {h // 3}) has no second triangle; "
-            "close the surface, and check that its ends match at the period"
+        raise MeshError.at(
+            "triangles: the edge from vertex {0} to {1} (triangle {triangle}) has no second triangle; "
+            "close the surface, and check that its ends match at the period",
+            triangles,
+            *_ends(h),
         )
     start, order = mesh.star
     if (gap := _first(order < 0)) is not None:
         i = int(np.searchsorted(start, gap, side="right")) - 1
-        raise InputError(f"triangles: those about vertex {i} are no single fan; split the vertex")
-    number, parts = connected_components(
-        coo_matrix((np.ones(len(mesh.tail)), (mesh.tail, mesh.head)), shape=(mesh.count, mesh.count)), directed=False
-    )
-    if number > 1:
-        raise InputError(
-            f"vertices: vertex {_first(parts != parts[0])} cannot be reached from vertex 0; give one tube, not {number}"
+        corner = int(np.argmax(mesh.tail == i))
+        raise MeshError.at("triangles: those about vertex {0} are no single fan; split the vertex", triangles, corner)
+    reached, periods = _reached(start, order, mesh.head, mesh.shift)
+    if (away := _first(~reached[mesh.tail])) is not None:
+        raise MeshError.at(
+            "vertices: vertex {0} cannot be reached from vertex {1}; give one tube",
+            triangles,
+            away,
+            int(np.argmax(reached[mesh.tail])),
         )
-    if not mesh.shift.any():
+    # Periods by which loops of edges close: each is a sum of those that one edge makes with the tree.
+    closing = int(np.gcd.reduce(mesh.shift - periods[mesh.head] + periods[mesh.tail]))
+    if closing == 0:
         raise InputError(
-            f"wraps: no edge of the {len(mesh.edges)} leads into the next period, so the surface is closed; give a tube"
+            f"wraps: no loop of the {len(mesh.edges)} edges leads into the next period, so the surface is closed; "
+            "give a tube"
+        )
+    if closing > 1:
+        raise InputError(
+            f"length: the surface closes only after {closing} periods of {mesh.length:g}; give {closing * mesh.length:g}"
         )
     if (euler := mesh.count - len(mesh.edges) + len(triangles)) != 0:
         raise InputError(
@@ -251,14 +313,18 @@ def _check_topology(mesh: PeriodicMesh) -> None:
 def _check_shape(mesh: PeriodicMesh) -> None:
     spans = np.abs(mesh.edge_vectors[:, 0])
     if (h := _first(spans > 0.4 * mesh.length)) is not None:
-        raise InputError(
-            f"length: the edge from vertex {mesh.tail[h]} to {mesh.head[h]} spans {spans[h]:.3g} along x, too much of the "
-            f"period {mesh.length:g}; give the period that the mesh was made for, or more vertices"
+        raise MeshError.at(
+            f"length: the edge from vertex {{0}} to {{1}} spans {spans[h]:.3g} along x, too much of the period "
+            f"{mesh.length:g}; give the period that the mesh was made for, or more vertices",
+            mesh.triangles,
+            *_ends(h),
         )
     if (t := _first(np.logical_not(mesh.quality < WORST))) is not None:
-        raise InputError(
-            f"vertices: triangle {t} with corners {mesh.triangles[t]} is a sliver of quality {mesh.quality[t]:.3g} "
-            f"(at most {WORST:g}, 3.46 is best); improve the mesh there"
+        raise MeshError.at(
+            "vertices: triangle {triangle} with corners {0}, {1}, {2} is a sliver of quality "
+            f"{mesh.quality[t]:.3g} (at most {WORST:g}, 3.46 is best); improve the mesh there",
+            mesh.triangles,
+            *range(3 * t, 3 * t + 3),
         )
     if not mesh.volume > 0:
         raise InputError("triangles: triangle 0 and all others are seen clockwise from outside; reverse their corners")
