@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.flow.problem import Array, FlowProblem, Said
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -154,16 +154,21 @@ class FlowResult:
         state: the last one, whatever happened.
         status: ``steady`` (velocity and spectrum say so), ``saddle`` (at rest on an unstable shape), ``time``, ``pinch``,
             ``overhang``, ``unresolved`` (no more points to be had), ``stalled``, ``steps``, ``seconds``, ``interrupted``.
-        reason: one line for a reader: what happened, when, where.
+        said: what happened, when, where, in any unit of length; ``reason`` is that in radii.
         advice: what to try, or empty.
         equilibrium: the polished end state, where the flow came to rest.
     """
 
     state: FlowState
     status: Status
-    reason: str
+    said: Said
     advice: str = ""
     equilibrium: Equilibrium | None = None
+
+    @property
+    def reason(self) -> str:
+        """One line for a reader: what happened, when, where."""
+        return self.said.at()
 
     def table(self) -> pd.DataFrame:
         """A row for every accepted step."""
