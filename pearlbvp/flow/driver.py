@@ -256,7 +256,7 @@ class _Run:
         return None
 
     def _remeshed(self) -> _Ending | None:
-        """Go on in other coordinates where these no longer fit; a second row at the same time says what that changed."""
+        """Go on in other coordinates where these no longer fit."""
         problem = self.state.problem
         try:
             found = problem.remeshed(self.state.q)
@@ -264,11 +264,15 @@ class _Run:
             reason = Said("no mesh fits the surface any more ({})", ((error, 0),))
             return _Ending("unresolved", reason, "give more nodes")
         if found is not None:
-            state = _moved(self.state, *found)
-            velocity = float(np.abs(state.problem.velocity(state.q, state.rate)).max())
-            state.record.add(state.t, state.problem, state.q, state.multipliers, velocity)
-            self._restart(state)
+            self._go_on(*found)
         return None
+
+    def _go_on(self, problem: Any, q: Array) -> None:
+        """Another discretization of the shape at the same time: a second row says what that changed."""
+        state = _moved(self.state, problem, q)
+        velocity = float(np.abs(problem.velocity(state.q, state.rate)).max())
+        state.record.add(state.t, problem, state.q, state.multipliers, velocity)
+        self._restart(state)
 
     def _resolved(self) -> _Ending | None:
         """Refine where details grow that the discretization does not resolve."""
@@ -281,7 +285,7 @@ class _Run:
             return None
         finer = problem.refined(self.state.q)
         if finer is not None:
-            self._restart(_moved(self.state, *finer))
+            self._go_on(*finer)
             self.least, self.rest.reached = math.inf, False
         elif detail > UNRESOLVED:
             where = Said("the shape has finer details than can be described")
@@ -329,7 +333,7 @@ class _Run:
 
 
 def _moved(state: FlowState, problem: Any, q: Array) -> FlowState:
-    """A state on a finer discretization; the constraints keep their values."""
+    """A state on another discretization; the constraints keep their values."""
     q = constrained(problem, q, state.kept)
     rate, multipliers, _ = first_rates(problem, q)
     return replace(state, problem=problem, q=q, rate=rate, multipliers=multipliers)

@@ -180,11 +180,11 @@ class FlowResult:
         return self.status in ("steady", "time")
 
     def largest_rise(self) -> float:
-        """Largest rise of the energy from one step to the next, relative to the energy; remeshing is no step."""
+        """Largest rise of the energy from one step to the next, relative to the energy; remeshing or refining is no step."""
         return float(self._changes(steps=True).max(initial=0.0))
 
     def largest_jump(self) -> float:
-        """Largest change of the energy by remeshing, up or down, relative to the energy."""
+        """Largest change of the energy by remeshing or refining, up or down, relative to the energy."""
         return float(np.abs(self._changes(steps=False)).max(initial=0.0))
 
     def _changes(self, steps: bool) -> Array:
