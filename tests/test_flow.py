@@ -151,6 +151,24 @@ def test_a_flow_decays_at_its_growth_rate():
     assert slope == pytest.approx(slow, rel=0.01)
 
 
+def test_surface_diffusion_decays_at_its_own_rate_and_says_where_it_is_refined():
+    """The rate at the end against the velocity in the table; a refinement is a second row at the same time."""
+    start = start_at(pearls(0.0, 10, 1, 1.1), law="diffusion")
+    result = start.flow(start.perturbed("bump", -0.02, centre=1.0), FlowOptions(rtol=1e-8, atol=1e-11))
+    assert result.status == "steady"
+    table = check(result)
+    (refined,) = np.flatnonzero(np.diff(table["t"]) == 0)
+    late = table[: refined + 1]
+    late = late[late["velocity"] < 1e-5]
+    slope = np.polyfit(late["t"], np.log(late["velocity"]), 1)[0]
+    assert slope == pytest.approx(result.equilibrium.growth_rates[0], rel=0.01)
+    assert f"rate is {result.equilibrium.growth_rates[0]:.3g}" in result.reason
+    # The first shape on more points is the same one, with its finest waves in the velocity.
+    assert table["E"][refined + 1] == pytest.approx(table["E"][refined], rel=1e-7)
+    assert table["velocity"][refined + 1] > 1e3 * table["velocity"][refined]
+    assert 0 < result.largest_jump() < 1e-7
+
+
 @pytest.mark.parametrize(("length", "m"), [(15, 2), (30, 4)])
 def test_periodic_pearls_flow_to_the_localized_pearl(length, m):
     """Fig. c05f2, and the flow at L = 30 that the paper calls very expensive."""

@@ -1,6 +1,7 @@
 """``pearlbvp flow`` as its users meet it."""
 
 import io
+import re
 
 import numpy as np
 import pandas as pd
@@ -149,10 +150,11 @@ def test_a_saved_coil_flows_back(capsys, tmp_path):
     assert table.E.iloc[-1] == pytest.approx(branch.points[-1].observables["E"], rel=1e-4)
 
 
-def rows_of(capsys, *arguments):
+def rows_of(capsys, *arguments, table=True):
+    """The table and what is said, or only that."""
     status, out, err = run(capsys, "flow", *map(str, arguments))
     assert status == 0, err
-    return pd.read_csv(io.StringIO(out)), err
+    return (pd.read_csv(io.StringIO(out)), err) if table else err
 
 
 POWERS = {"lambda1": -2, "lambda2": -3, "E": -2, "v": 0, "area_error": 0, "amplitude": 1, "r_min": 1, "r_max": 1}
@@ -168,6 +170,27 @@ def test_a_radius_scales_a_flow(capsys, folder):
     assert len(one) == len(two) > 20
     for name, power in (POWERS | {"t": 4, "velocity": -3}).items():
         np.testing.assert_allclose(two[name], one[name] * 2.0**power, rtol=1e-9, atol=1e-12)
+
+
+def numbers(words):
+    return np.array([float(number) for number in re.findall(r"(?<== )-?[\d.]+(?:e-?\d+)?|(?<= is )-?[\d.]+", words)])
+
+
+@pytest.mark.parametrize(("law", "time"), [("area and volume", 4), ("diffusion", 6)])
+def test_the_last_words_are_in_the_user_s_unit(capsys, folder, law, time):
+    """Times and rates at radius 1 and 2; by the L2 flow mu_crit is given, too."""
+    start = ["--from", folder / "b.h5", "--law", law, "--perturb", "critical", "--keep"]
+    one, two = (
+        rows_of(capsys, *start, "--radius", radius, "--delta", 0.02 * radius, "--out", folder / "f.csv", table=False)
+        for radius in (1, 2)
+    )
+    powers = [time, -time, 0, *([-4] if law == "area and volume" else [])]  # t, rate, n_unstable, mu_crit
+    np.testing.assert_allclose(numbers(two), numbers(one) * 2.0 ** np.array(powers), rtol=6e-3)
+    assert ("mu_crit" in one) == (law == "area and volume")
+    path = folder / "thin.csv"
+    pd.DataFrame({"x": [-5, -4, 0, 4, 5], "r": [2, 2, 0.015, 2, 2]}).to_csv(path, index=False)
+    _, _, err = run(capsys, "flow", "--profile", path, "--c0", 0, "--length", 20, "--radius", 2)
+    assert "shape: the neck at x = 0 has a radius of 1.5e-02" in err
 
 
 @pytest.mark.parametrize(("law", "time"), [("area and volume", 4), ("diffusion", 6)])
@@ -199,7 +222,7 @@ def test_a_saved_flow_is_resumed_at_a_radius(capsys, folder, tmp_path):
     start = ["--from", folder / "b.h5", "--perturb", "critical", "--delta", 0.02, "--radius", 2, "--time", 16]
     first, err = rows_of(capsys, *start, "--save", path, "--movie", tmp_path / "f.gif", "--plot", tmp_path / "f.png")
     assert first["t"].iloc[-1] == 16
-    assert "in units of the radius" in err
+    assert "at t = 16 the time asked for" in err
     second, _ = rows_of(capsys, "--resume", path, "--radius", 2, "--time", 32)
     assert second["t"].iloc[-1] == 32
     pd.testing.assert_frame_equal(second.iloc[: len(first)], first)

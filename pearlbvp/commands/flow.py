@@ -144,7 +144,7 @@ def flow(
             if save is not None:
                 study.save(state, save)
 
-        state = beginning(*_start(branch, **start)) if resume is None else study.load(resume)
+        state = beginning(*_start(branch, **start), radius) if resume is None else study.load(resume)
         powers = length_powers(state.problem.law)
         unit = radius ** powers["t"]
         settings: dict[str, Any] = {
@@ -173,8 +173,7 @@ def flow(
 
     write(table, out, plot, draw)
     advice = f"; {result.advice}" if result.advice else ""
-    where = "" if radius == 1 else " (this line is in units of the radius)"
-    print(f"pearlbvp: {result.status}: {of_this_command(result.reason + advice)}{where}", file=sys.stderr)
+    print(f"pearlbvp: {result.status}: {of_this_command(result.said.at(radius) + advice)}", file=sys.stderr)
     whole = _say_end(result, save_end, radius)
     if result.status == "interrupted":
         return INTERRUPTED
@@ -254,12 +253,14 @@ def _say_end(result: Any, save_end: Path | None, radius: float) -> bool:
     except InputError as error:  # an end that is no point of a branch: the flow's own word stands
         if save_end is not None:
             print(f"pearlbvp: {str(error).replace('flow:', '--save-end:', 1)}", file=sys.stderr)
+        elif result.equilibrium is not None and result.equilibrium.converged:
+            print(f"pearlbvp: {str(error).removeprefix('flow: ')}", file=sys.stderr)
         return save_end is None
     spectrum = branch.points[0].spectrum
-    rate = (
-        spectrum.mu_crit / (result.equilibrium.observables["area"] * radius) ** 4
-    )  # of the similar shape: studies.flow_end
-    counted = f"n_unstable = {spectrum.n_unstable}, mu_crit = {rate:.4g} ({spectrum.critical})"
+    counted = f"n_unstable = {spectrum.n_unstable}"
+    if result.state.problem.law != "diffusion":  # whose equilibria are stable alike, but at other rates
+        rate = spectrum.mu_crit / (result.equilibrium.observables["area"] * radius) ** 4  # similarity: studies.flow_end
+        counted += f", mu_crit = {rate:.4g} ({spectrum.critical})"
     print(
         f"pearlbvp: {described(result.equilibrium)}; to all perturbations of this tube: {counted}",
         file=sys.stderr,

@@ -26,7 +26,7 @@ import numpy as np
 
 from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Trouble, check_law
+from pearlbvp.flow.problem import Array, Law, Said, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
 
 MOST_POINTS = 1024
@@ -299,10 +299,10 @@ class GraphFlow:
         slope = np.abs(self.d1 @ q) / r
         thin, steep = int(r.argmin()), int(slope.argmax())
         if r[thin] < self.thinnest:
-            where = f"the neck at x = {self.x[thin]:.3f} is {r[thin]:.1e} radii thin"
+            where = Said("the neck at x = {:.4g} has a radius of {:.1e}", ((self.x[thin], 1), (r[thin], 1)))
             return Trouble("pinch", where, "the surface is about to touch its axis; stop before, or change the volume")
         if slope[steep] > self.steepest:
-            where = f"the profile at x = {self.x[steep]:.3f} has slope {slope[steep]:.0f}"
+            where = Said("the profile at x = {:.4g} has slope {:.0f}", ((self.x[steep], 1), (slope[steep], 0)))
             return Trouble("overhang", where, "it is about to be no graph over the axis; use a triangulated tube")
         return None
 

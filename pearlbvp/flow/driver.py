@@ -24,8 +24,8 @@ import numpy as np
 
 from pearlbvp.errors import InputError
 from pearlbvp.flow.integrator import Tolerances, integrator
-from pearlbvp.flow.problem import Array, FlowProblem
-from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState, Record, Status
+from pearlbvp.flow.problem import Array, FlowProblem, Said
+from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState, Record, Status, length_powers
 from pearlbvp.flow.steady import polished
 
 
@@ -95,8 +95,12 @@ def first_rates(problem: FlowProblem, q: Array) -> tuple[Array, Array, bool]:
     return -problem.resistance(q, force + columns @ multipliers), multipliers, parallel
 
 
-def start(problem: FlowProblem, q: Array) -> FlowState:
+def start(problem: FlowProblem, q: Array, radius: float = 1.0) -> FlowState:
     """The state of a flow at time 0, its constraints those of the shape.
+
+    Args:
+        problem, q: the shape.
+        radius: of the tube in the user's unit, in which an error says where the shape cannot be used.
 
     Raises:
         InputError: the shape is no surface, or is the straight tube, which rests and where the constraints are parallel.
@@ -108,7 +112,7 @@ def start(problem: FlowProblem, q: Array) -> FlowState:
         )
     trouble = problem.trouble(q)
     if trouble is not None:
-        raise InputError(f"shape: {trouble.place}; start from a smoother shape")
+        raise InputError(f"shape: {trouble.place.at(radius)}; start from a smoother shape")
     rate, multipliers, parallel = first_rates(problem, q)
     if parallel and np.abs(problem.velocity(q, rate)).max() < 1e-9:
         raise InputError(
@@ -163,19 +167,21 @@ def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
             raise
         ending = INTERRUPTED
     status, reason, advice, equilibrium = ending
-    return FlowResult(run.state, status, f"at t = {run.state.t:.6g} {reason}", advice, equilibrium)
+    power = length_powers(run.state.problem.law)["t"]
+    said = Said("at t = {:.6g} " + reason.text, ((run.state.t, power), *reason.numbers))
+    return FlowResult(run.state, status, said, advice, equilibrium)
 
 
 class _Ending(NamedTuple):
     """How a run ends; see ``FlowResult``."""
 
     status: Status
-    reason: str
+    reason: Said
     advice: str = ""
     equilibrium: Equilibrium | None = None
 
 
-INTERRUPTED = _Ending("interrupted", "it was interrupted", "resume it")
+INTERRUPTED = _Ending("interrupted", Said("it was interrupted"), "resume it")
 
 
 class _Run:
@@ -198,7 +204,7 @@ class _Run:
     def to_its_end(self) -> _Ending:
         """Step until something ends the flow."""
         if self.state.t >= self.options.until:
-            return _Ending("time", "the time asked for is over")
+            return _Ending("time", Said("the time asked for is over"))
         while True:
             ending = self._step()
             if ending is None:
@@ -242,25 +248,31 @@ class _Run:
         self.failures += 1
         if self.failures > RESTARTS:
             trouble = self.state.problem.trouble(self.state.q)
-            near = f"; {trouble.place}" if trouble else ""
-            return _Ending("stalled", f"the solver gave up ({message}){near}", "loosen rtol, or take more points")
+            near = Said("; " + trouble.place.text, trouble.place.numbers) if trouble else Said("")
+            reason = Said("the solver gave up ({})" + near.text, ((message, 0), *near.numbers))
+            return _Ending("stalled", reason, "loosen rtol, or take more points")
         rate, multipliers, _ = first_rates(self.state.problem, self.state.q)
         self._restart(replace(self.state, rate=rate, multipliers=multipliers))
         return None
 
     def _remeshed(self) -> _Ending | None:
-        """Go on in other coordinates where these no longer fit; a second row at the same time says what that changed."""
+        """Go on in other coordinates where these no longer fit."""
         problem = self.state.problem
         try:
             found = problem.remeshed(self.state.q)
         except InputError as error:
-            return _Ending("unresolved", f"no mesh fits the surface any more ({error})", "give more nodes")
+            reason = Said("no mesh fits the surface any more ({})", ((error, 0),))
+            return _Ending("unresolved", reason, "give more nodes")
         if found is not None:
-            state = _moved(self.state, *found)
-            velocity = float(np.abs(state.problem.velocity(state.q, state.rate)).max())
-            state.record.add(state.t, state.problem, state.q, state.multipliers, velocity)
-            self._restart(state)
+            self._go_on(*found)
         return None
+
+    def _go_on(self, problem: Any, q: Array) -> None:
+        """Another discretization of the shape at the same time: a second row says what that changed."""
+        state = _moved(self.state, problem, q)
+        velocity = float(np.abs(problem.velocity(state.q, state.rate)).max())
+        state.record.add(state.t, problem, state.q, state.multipliers, velocity)
+        self._restart(state)
 
     def _resolved(self) -> _Ending | None:
         """Refine where details grow that the discretization does not resolve."""
@@ -273,10 +285,10 @@ class _Run:
             return None
         finer = problem.refined(self.state.q)
         if finer is not None:
-            self._restart(_moved(self.state, *finer))
+            self._go_on(*finer)
             self.least, self.rest.reached = math.inf, False
         elif detail > UNRESOLVED:
-            where = "the shape has finer details than can be described"
+            where = Said("the shape has finer details than can be described")
             return _Ending("unresolved", where, "stop before, or choose another discretization")
         return None
 
@@ -286,26 +298,34 @@ class _Run:
             return None
         state = self.state
         end = polished(state.problem, state.q, state.multipliers, state.kept)
-        rate = f"among {state.problem.space}: the largest growth rate is {end.growth_rates[0]:.3g}"
-        whole = state.record.rows["velocity"][-1]
-        if whole > self.options.velocity:
-            rate += f"; as a whole it creeps at {whole:.1e}, by the mesh's error"
         if end.stable:
-            return _Ending("steady", f"it rests on a shape that is stable {rate}", "", end)
+            return _Ending("steady", self._rests(end), "", end)
         if self.rest.for_good(velocity):
-            advice = "perturb that shape by its most unstable vector"
-            return _Ending("saddle", f"it rests on a shape that is unstable {rate}", advice, end)
+            return _Ending("saddle", self._rests(end), "perturb that shape by its most unstable vector", end)
         return None
+
+    def _rests(self, end: Equilibrium) -> Said:
+        """What a flow at rest says of its shape."""
+        problem, powers = self.state.problem, length_powers(self.state.problem.law)
+        stable = "stable" if end.stable else "unstable"
+        text = f"it rests on a shape that is {stable} among {problem.space}: the largest growth rate is {{:.3g}}"
+        rate, whole = (end.growth_rates[0], -powers["t"]), self.state.record.rows["velocity"][-1]
+        if whole <= self.options.velocity:
+            return Said(text, (rate,))
+        text += "; as a whole it creeps at {:.1e}, by the mesh's error"
+        return Said(text, (rate, (whole, powers["velocity"])))
 
     def _caps(self) -> _Ending | None:
         """The limits of time and effort; now and then a checkpoint."""
         o, now = self.options, time.monotonic()
         if self.state.t >= o.until:
-            return _Ending("time", "the time asked for is reached")
+            return _Ending("time", Said("the time asked for is reached"))
         if self.steps >= o.max_steps:
-            return _Ending("steps", f"max_steps = {self.steps} are done", "resume it, or give it more steps")
+            return _Ending("steps", Said(f"max_steps = {self.steps} are done"), "resume it, or give it more steps")
         if now - self.begun > o.max_seconds:
-            return _Ending("seconds", f"max_seconds = {o.max_seconds:g} are over", "resume it, or give it more time")
+            return _Ending(
+                "seconds", Said(f"max_seconds = {o.max_seconds:g} are over"), "resume it, or give it more time"
+            )
         if now - self.saved > o.every:
             self.saved = now
             o.checkpoint(self.state)
@@ -313,7 +333,7 @@ class _Run:
 
 
 def _moved(state: FlowState, problem: Any, q: Array) -> FlowState:
-    """A state on a finer discretization; the constraints keep their values."""
+    """A state on another discretization; the constraints keep their values."""
     q = constrained(problem, q, state.kept)
     rate, multipliers, _ = first_rates(problem, q)
     return replace(state, problem=problem, q=q, rate=rate, multipliers=multipliers)

@@ -21,7 +21,7 @@ from scipy.sparse.linalg import splu
 
 from pearlbvp.bordered import factorized
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Trouble, check_law
+from pearlbvp.flow.problem import Array, Law, Said, Trouble, check_law
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -224,8 +224,10 @@ class MeshFlow:
         thin = int(radius.argmin())
         longest = float(np.linalg.norm(surface.edge_vectors[surface.tail == thin], axis=1).max())
         if radius[thin] < UNRESOLVED * longest:
-            place = f"the neck at x = {surface.vertices[thin, 0] % self.length:.3f}"
-            place += f" (vertex {thin}) is {radius[thin]:.2g} radii thin, its edges {longest:.2g} long"
+            numbers = ((surface.vertices[thin, 0] % self.length, 1), (thin, 0), (radius[thin], 1), (longest, 1))
+            place = Said(
+                "the neck at x = {:.4g} (vertex {}) has a radius of {:.2g}, its edges are {:.2g} long", numbers
+            )
             return Trouble("pinch", place, "stop before, change the volume, or give more nodes to follow it further")
         return None
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.flow.problem import Array, FlowProblem, Said
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -154,16 +154,21 @@ class FlowResult:
         state: the last one, whatever happened.
         status: ``steady`` (velocity and spectrum say so), ``saddle`` (at rest on an unstable shape), ``time``, ``pinch``,
             ``overhang``, ``unresolved`` (no more points to be had), ``stalled``, ``steps``, ``seconds``, ``interrupted``.
-        reason: one line for a reader: what happened, when, where.
+        said: what happened, when, where, in any unit of length; ``reason`` is that in radii.
         advice: what to try, or empty.
         equilibrium: the polished end state, where the flow came to rest.
     """
 
     state: FlowState
     status: Status
-    reason: str
+    said: Said
     advice: str = ""
     equilibrium: Equilibrium | None = None
+
+    @property
+    def reason(self) -> str:
+        """One line for a reader: what happened, when, where."""
+        return self.said.at()
 
     def table(self) -> pd.DataFrame:
         """A row for every accepted step."""
@@ -175,11 +180,11 @@ class FlowResult:
         return self.status in ("steady", "time")
 
     def largest_rise(self) -> float:
-        """Largest rise of the energy from one step to the next, relative to the energy; remeshing is no step."""
+        """Largest rise of the energy from one step to the next, relative to the energy; remeshing or refining is no step."""
         return float(self._changes(steps=True).max(initial=0.0))
 
     def largest_jump(self) -> float:
-        """Largest change of the energy by remeshing, up or down, relative to the energy."""
+        """Largest change of the energy by remeshing or refining, up or down, relative to the energy."""
         return float(np.abs(self._changes(steps=False)).max(initial=0.0))
 
     def _changes(self, steps: bool) -> Array:

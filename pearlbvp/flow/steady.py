@@ -58,7 +58,9 @@ def polished(problem: FlowProblem, q: Array, multipliers: Array, kept: Array) ->
     near = found.converged and float(np.abs(shape - q).max()) < FARTHEST
     if not near:
         shape, forces = q, start
-    rates = form.growth_rates(shape, forces)[0]
+    rates = problem.growth_rates(shape, forces[: len(multipliers)])[
+        0
+    ]  # of this flow, not of another with the same equilibria
     message = found.message if not found.converged else "" if near else "Newton's method left for another equilibrium"
     return Equilibrium(form, shape, forces, near, rates, message)
 

@@ -17,7 +17,7 @@ from typing import Any, get_args
 import numpy as np
 
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Trouble, check_law
+from pearlbvp.flow.problem import Array, Law, Said, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
 from pearlbvp.flow.tensor import DISPLACEMENT, FIELDS, Tensor
 from pearlbvp.tube.density import gradients, hessians
@@ -259,14 +259,19 @@ class TubeFlow:
         z = self._fields(q)
         slope = np.abs(z[0] * z[3] - z[1] * z[2]) / np.hypot(z[2], z[3])
         thin, steep = int(z[3].argmin()), int(slope.argmax())
-        where = f"x = {self.tensor.x[thin]:.3f}, phi = {self.tensor.phi[thin]:.3f}"
         if z[3, thin] < THINNEST:
-            return Trouble("pinch", f"the section at {where} closes on its centre", "stop before, or change the volume")
+            where = Said("the section at x = {:.4g}, phi = {:.3f} closes on its centre", self._place(thin))
+            return Trouble("pinch", where, "stop before, or change the volume")
         if slope[steep] > STEEPEST:
-            where = f"x = {self.tensor.x[steep]:.3f}, phi = {self.tensor.phi[steep]:.3f}"
+            numbers = (*self._place(steep), (slope[steep], 0))
+            where = Said("the surface at x = {:.4g}, phi = {:.3f} has slope {:.0f} against the axis", numbers)
             advice = "sections across the axis no longer describe it; use a triangulated tube"
-            return Trouble("overhang", f"the surface at {where} has slope {slope[steep]:.0f} against the axis", advice)
+            return Trouble("overhang", where, advice)
         return None
+
+    def _place(self, point: int) -> tuple[tuple[float, int], tuple[float, int]]:
+        """Where a grid point is, for ``Said``."""
+        return (self.tensor.x[point], 1), (self.tensor.phi[point], 0)
 
     def _tails(self, q: Array) -> tuple[float, float]:
         """Largest coefficients among the last sixth of the wave numbers, along and around."""
