@@ -193,7 +193,18 @@ def test_a_value_that_another_mesh_puts_just_before_the_last_point_is_found_beyo
 
 
 SHAPE = ["nodes", "triangles", "quality_worst", "quality_mean", "area", "volume", "c0", "L", "E"]
-EQUILIBRIUM = ["lambda1", "lambda2", "v", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit", "critical"]
+EQUILIBRIUM = [
+    "lambda1",
+    "lambda2",
+    "v",
+    "amplitude",
+    "r_min",
+    "r_max",
+    "n_unstable",
+    "mu_crit",
+    "critical",
+    "mu_error",
+]
 
 
 @pytest.fixture(scope="module")
@@ -315,3 +326,15 @@ def test_mistakes_of_mesh_are_one_line(capsys, monkeypatch, tmp_path, shapes, sa
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert err.startswith(f"pearlbvp: {name}: ")
     assert "; " in err
+
+
+def test_a_stability_that_the_mesh_does_not_resolve_is_said(capsys, tmp_path):
+    """The buckle has one unstable direction: 60 nodes lose it and say so, 1000 have it."""
+    path = tmp_path / "k.h5"
+    save(tube_branch(0.0, 10.0, "buckle", (1, 1), branch_options({"v": 0.85})), path)
+    said = {}
+    for nodes in (60, 1000):
+        status, out, err = run(capsys, "mesh", "--from", path, "--solve", "--nodes", nodes)
+        assert status == 0
+        said[nodes] = (table_of(out)["n_unstable"][0], "n_unstable is not certain" in err)
+    assert said == {60: (0, True), 1000: (1, False)}

@@ -150,8 +150,8 @@ def branch(
     star-shaped. Branches that --switch leads to from a ring, coil or buckle are resumed under that name, too.
 
     With --nodes the surface is a mesh, which needs no sections: 500 nodes give two to three digits, 3000 four (of
-    subdivision surfaces; one to two seconds a point at 500, ten at 3000). The mesh is adapted on the way; mu_error is empty. A
-    branch on a mesh is resumed and switched under any family's name.
+    subdivision surfaces; one to two seconds a point at 500, ten at 3000). The mesh is adapted on the way. Where mu_error is
+    not small beside mu_crit, n_unstable is not certain. A branch on a mesh is resumed and switched under any family's name.
     """
     from pearlbvp.files import writable
     from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius

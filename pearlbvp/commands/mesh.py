@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -56,7 +57,8 @@ def mesh(
 
     Columns (one row, on standard output): nodes, triangles, quality_worst, quality_mean (longest edge times perimeter by
     twice the area; 3.46 is best), area, volume (of the flat triangles), c0, L, E (of the discretization); with --solve
-    also lambda1, lambda2, v, amplitude, r_min, r_max, n_unstable, mu_crit, critical, of the equilibrium on the mesh.
+    also lambda1, lambda2, v, amplitude, r_min, r_max, n_unstable, mu_crit, critical, mu_error (of growth rates, as rigid
+    motions show it), of the equilibrium on the mesh.
 
     The mesh is one period, cut where it begins again. A shape of a branch on a mesh comes with its own triangles.
     """
@@ -103,7 +105,17 @@ def mesh(
 
         return draw_mesh(surface, title=f"{title}: {surface.count} nodes, {len(surface.triangles)} triangles")
 
-    return write(in_units_of_radius(table, radius), None, plot, draw)
+    status = write(in_units_of_radius(table, radius), None, plot, draw)
+    if solve and abs(table["mu_crit"][0]) < DOUBTFUL * table["mu_error"][0]:
+        print(
+            "pearlbvp: mu_crit is not much larger than mu_error, so n_unstable is not certain; give more --nodes",
+            file=sys.stderr,
+        )
+    return status
+
+
+DOUBTFUL = 3.0
+"""Growth rates by their error, below which their sign is not certain."""
 
 
 def _refuse_idle(given: set[str]) -> None:

@@ -148,13 +148,14 @@ def mesh_table(mesh: PeriodicMesh, c0: float, kind: Kind = "subdivision") -> pd.
 
 
 def equilibrium_table(problem: MeshProblem, u: Array) -> pd.DataFrame:
-    """The same of an equilibrium, with ``lambda1, lambda2, v, amplitude, r_min, r_max, n_unstable, mu_crit, critical``."""
+    """The same of an equilibrium, with ``lambda1, lambda2, v, amplitude, r_min, r_max`` and ``n_unstable, mu_crit, critical, mu_error``."""
     found, spectrum = problem.observables(u), problem.spectrum(u)
     order = ("c0", "L", "E", "lambda1", "lambda2", "v", "amplitude", "r_min", "r_max")
     stability = {
         "n_unstable": spectrum.n_unstable if spectrum.complete else None,
         "mu_crit": spectrum.mu_crit,
         "critical": str(spectrum.critical),
+        "mu_error": spectrum.residual,
     }
     return _rows(problem.surface(u), {name: found[name] for name in order} | stability)
 
