@@ -148,7 +148,7 @@ def mesh_table(mesh: PeriodicMesh, c0: float, kind: Kind = "subdivision") -> pd.
 
 
 def equilibrium_table(problem: MeshProblem, u: Array) -> pd.DataFrame:
-    """The same of an equilibrium, with ``lambda1, lambda2, v, amplitude, r_min, r_max`` and ``n_unstable, mu_crit, critical, mu_error``."""
+    """The same of an equilibrium, and of the columns of a branch those from ``lambda1`` to ``r_max`` and of its stability."""
     found, spectrum = problem.observables(u), problem.spectrum(u)
     order = ("c0", "L", "E", "lambda1", "lambda2", "v", "amplitude", "r_min", "r_max")
     stability = {
