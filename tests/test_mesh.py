@@ -19,7 +19,6 @@ from pearlbvp.mesh.operators import (
     voronoi_mass,
 )
 from pearlbvp.mesh.periodic import PeriodicMesh
-from pearlbvp.mesh.sections import centres, radii
 
 L = 10.0
 
@@ -127,19 +126,6 @@ def test_curvatures_converge_with_the_mesh_width_squared():
         )
     orders = np.log(np.array(errors[0]) / errors[1]) / np.log(2)
     assert (orders > 1.8).all(), orders
-
-
-def test_sections():
-    """Centres and radii of a bent tube with circular sections."""
-    k = 2 * np.pi / L
-
-    def surface(x, phi):
-        return np.column_stack((x, 0.5 * np.sin(k * x) + np.cos(phi), 0.5 * np.cos(k * x) + np.sin(phi)))
-
-    mesh = tube_mesh(L, 3000, surface)
-    x = np.array([0.1, 3.3, 9.9])
-    np.testing.assert_allclose(centres(mesh, x), 0.5 * np.column_stack((np.sin(k * x), np.cos(k * x))), atol=3e-3)
-    assert radii(mesh) == pytest.approx((1, 1), abs=3e-3)
 
 
 def broken(change):
