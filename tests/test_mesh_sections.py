@@ -1,9 +1,12 @@
 """Centres of sections and radii on meshes: known surfaces, finer polyhedra, coils and buckles in reduced modes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+from pearlbvp.figures.surface import coordinates
 from pearlbvp.mesh.families import graded, jittered, tube_mesh
 from pearlbvp.mesh.functional import Functional
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -39,6 +42,21 @@ def test_centres_and_radii_of_circles():
     np.testing.assert_allclose(centres(mesh, x), 0.5 * np.column_stack((np.sin(K * x), np.cos(K * x))), atol=3e-3)
     assert radii(*through(mesh, "cotangent")) == pytest.approx((1, 1), abs=3e-3)
     assert radii(*through(mesh)) == pytest.approx((1, 1), abs=1e-5)
+
+
+def test_pictures_show_a_period_between_planes():
+    """Whole, plane at both ends, and oriented as the mesh is: area and volume are the polyhedron's, whatever is cut."""
+    mesh = jittered(tube_mesh(L, 400), 0.1, 0, circles(1.5, 0.3))
+    mesh = replace(mesh, vertices=mesh.vertices + np.array([0.3, 0, 0]))
+    corners = np.stack(coordinates(mesh), axis=-1)
+    assert (corners[..., 0].min(), corners[..., 0].max()) == pytest.approx((0, L), abs=1e-14)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+    assert np.linalg.norm(normals, axis=1).sum() == pytest.approx(mesh.area, rel=1e-12)
+    assert (corners.mean(axis=1)[:, 1:] * normals[:, 1:]).sum() / 2 == pytest.approx(mesh.volume, rel=1e-12)
+    ends = np.isclose(corners[..., 0], L, atol=1e-12)
+    assert (ends.sum(axis=1) == 2).sum() > 15  # triangles with an edge in the plane: the whole circle
+    rim = corners[ends][:, 1:] - centres(mesh, np.array([L - 1e-9]))
+    assert np.hypot(*rim.T) == pytest.approx(1.3, abs=0.05)
 
 
 @pytest.mark.parametrize("bend", [0.0, 2.0])

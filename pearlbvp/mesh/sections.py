@@ -58,6 +58,34 @@ def _moments(corners, places, period):  # type: ignore[no-untyped-def]
     return found
 
 
+def one_period(mesh: PeriodicMesh) -> Array:
+    """Corners of the triangles of the period between the planes ``x = 0`` and ``x = L``, cut off there, shape (T', 3, 3)."""
+    corners, length = mesh.reduced().corners, mesh.length
+    x, step = corners[..., 0], np.array([length, 0.0, 0.0])
+    images = np.concatenate((corners, corners[x.min(axis=1) < 0] + step, corners[x.max(axis=1) > length] - step))
+    return _above(_above(images, 0.0, 1.0), -length, -1.0)
+
+
+def _above(corners: Array, height: float, side: float) -> Array:
+    """The parts of triangles where ``side x > height``, as triangles that are oriented alike."""
+    h = side * corners[..., 0] - height
+    number = (h > 0).sum(axis=1)
+    # the one corner that differs from both others first
+    odd = np.where(number == 1, h.argmax(axis=1), h.argmin(axis=1))
+    places = np.arange(len(h))[:, None], (odd[:, None] + np.arange(3)) % 3
+    h, turned = h[places], corners[places]
+    a, b, c = turned[:, 0], turned[:, 1], turned[:, 2]
+    with np.errstate(divide="ignore", invalid="ignore"):  # where the plane does not pass
+        ab, ac = (
+            (h[:, 0, None] * other - h[:, i, None] * a) / (h[:, 0] - h[:, i])[:, None] for i, other in ((1, b), (2, c))
+        )
+    one, two = number == 1, number == 2
+    pieces = [
+        np.stack(piece, axis=1)[rows] for rows, piece in ((one, (a, ab, ac)), (two, (ab, b, c)), (two, (ab, c, ac)))
+    ]
+    return np.concatenate((corners[number == 3], *pieces))
+
+
 def distances(mesh: PeriodicMesh) -> Array:
     """Distance of each vertex from the centre of its section, shape (V,)."""
     first = 1e-9 * mesh.length  # not through the rows of a structured mesh
