@@ -14,6 +14,7 @@ from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchPoint
 from pearlbvp.figures.canvas import new_blank
 from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.mesh.sections import one_period
 
 STABLE, UNSTABLE, PLAIN = "#7ba7d9", "#e0a070", "#9db8d6"
 """Colours of surfaces: light enough for shades to show, those of curves in kind."""
@@ -34,7 +35,7 @@ def surface_of(point: Any) -> Surface | PeriodicMesh:
         point = point.point
     problem, u = getattr(point.problem, "base", point.problem), point.u  # of a curve in two parameters: the shapes' own
     if problem.stored_as == "mesh":
-        mesh: PeriodicMesh = problem.surface(u).reduced()
+        mesh: PeriodicMesh = problem.surface(u)
         return mesh
     if problem.stored_as == "tube":
         problem, u = problem.released(u, "lambda1", "lambda2", "v")  # whatever varies, at the shape's own length
@@ -59,9 +60,9 @@ def repeated(surface: Surface, period: float, count: int) -> Surface:
 
 
 def coordinates(surface: Surface | PeriodicMesh) -> Surface:
-    """``x, y, z`` of a surface's points; of a mesh those of its triangles' corners, each of shape (T, 3)."""
+    """``x, y, z`` of a surface's points; of a mesh those of its triangles' corners, (T, 3), cut off at the ends."""
     if isinstance(surface, PeriodicMesh):
-        corners = surface.corners
+        corners = one_period(surface)
         return corners[..., 0], corners[..., 1], corners[..., 2]
     return surface
 

@@ -210,7 +210,7 @@ class MeshFlow:
     def observables(self, q: Array, multipliers: Array) -> dict[str, float]:
         """Energy by area, multipliers, reduced volume; radii are measured from the sections' centres."""
         energy, area, volume = self._sums(q).values
-        thin, thick = radii(self.mesh(q))
+        thin, thick = radii(self.reference.functional, self.vertices(q))
         return {
             "lambda1": float(multipliers[0]), "lambda2": self._lambda2(multipliers), "E": float(energy / area),
             "area": float(area / self.unit), "volume": float(volume / self.unit),

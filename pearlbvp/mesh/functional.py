@@ -61,6 +61,11 @@ class Functional:
     def _patches(self) -> Patches:
         return patches(self.mesh)
 
+    @property
+    def quadrature(self) -> Patches:
+        """Points of the limit surface over which energies are summed."""
+        return self._patches
+
     @cached_property
     def _stars(self) -> tuple[Integers, Integers, Array]:
         start, order = self.mesh.star

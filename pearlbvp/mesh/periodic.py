@@ -184,11 +184,14 @@ class PeriodicMesh:
         return mesh
 
     def reduced(self) -> PeriodicMesh:
-        """The same surface with every vertex in ``[0, L)``."""
+        """The same surface with every vertex in ``[0, L)``, and every triangle where its centroid lies there.
+
+        So its ends are as smooth as the mesh allows: a row of vertices on both sides of ``x = 0`` is not torn apart.
+        """
         periods = np.floor(self.vertices[:, 0] / self.length).astype(np.int64)
+        centroids = np.floor(self.corners[..., 0].mean(axis=1) / self.length).astype(np.int64)
         vertices = self.vertices - np.outer(periods, [self.length, 0, 0])
-        wraps = self.wraps + periods[self.triangles]
-        return replace(self, vertices=vertices, wraps=wraps - wraps.min(axis=1, keepdims=True))
+        return replace(self, vertices=vertices, wraps=self.wraps + periods[self.triangles] - centroids[:, None])
 
     def to_tree(self) -> dict[str, Any]:
         """Everything as arrays and numbers, to be saved."""

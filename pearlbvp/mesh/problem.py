@@ -158,7 +158,7 @@ class MeshProblem:
     def observables(self, u: Array) -> dict[str, float]:
         """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L``; radii are measured from the sections' centres."""
         energy, area, _ = self._sums(u).values
-        thin, thick = radii(self.surface(u))
+        thin, thick = radii(self.functional, self.vertices(u))
         return {
             "lambda1": float(u[-3]), "lambda2": float(u[-2]), "v": float(u[-1]), "E": float(energy / area),
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from scipy.linalg import toeplitz
 
 from pearlbvp.compiled import compiled
+from pearlbvp.mesh.functional import Functional
 from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.mesh.subdivision import Patches
 
 PLANES = 48
 """Sections of a period whose centres are computed; between them they are a trigonometric sum."""
+
+EDGES = 3.0
+"""Length of the shortest wave of a limit surface's centres, in mean edges."""
+
+FARTHEST = 2.0
+"""Distance of quadrature points in the parameters of their patches."""
 
 
 def centres(mesh: PeriodicMesh, x: Array) -> Array:
@@ -47,6 +58,34 @@ def _moments(corners, places, period):  # type: ignore[no-untyped-def]
     return found
 
 
+def one_period(mesh: PeriodicMesh) -> Array:
+    """Corners of the triangles of the period between the planes ``x = 0`` and ``x = L``, cut off there, shape (T', 3, 3)."""
+    corners, length = mesh.reduced().corners, mesh.length
+    x, step = corners[..., 0], np.array([length, 0.0, 0.0])
+    images = np.concatenate((corners, corners[x.min(axis=1) < 0] + step, corners[x.max(axis=1) > length] - step))
+    return _above(_above(images, 0.0, 1.0), -length, -1.0)
+
+
+def _above(corners: Array, height: float, side: float) -> Array:
+    """The parts of triangles where ``side x > height``, as triangles that are oriented alike."""
+    h = side * corners[..., 0] - height
+    number = (h > 0).sum(axis=1)
+    # the one corner that differs from both others first
+    odd = np.where(number == 1, h.argmax(axis=1), h.argmin(axis=1))
+    places = np.arange(len(h))[:, None], (odd[:, None] + np.arange(3)) % 3
+    h, turned = h[places], corners[places]
+    a, b, c = turned[:, 0], turned[:, 1], turned[:, 2]
+    with np.errstate(divide="ignore", invalid="ignore"):  # where the plane does not pass
+        ab, ac = (
+            (h[:, 0, None] * other - h[:, i, None] * a) / (h[:, 0] - h[:, i])[:, None] for i, other in ((1, b), (2, c))
+        )
+    one, two = number == 1, number == 2
+    pieces = [
+        np.stack(piece, axis=1)[rows] for rows, piece in ((one, (a, ab, ac)), (two, (ab, b, c)), (two, (ab, c, ac)))
+    ]
+    return np.concatenate((corners[number == 3], *pieces))
+
+
 def distances(mesh: PeriodicMesh) -> Array:
     """Distance of each vertex from the centre of its section, shape (V,)."""
     first = 1e-9 * mesh.length  # not through the rows of a structured mesh
@@ -57,7 +96,110 @@ def distances(mesh: PeriodicMesh) -> Array:
     return np.linalg.norm(mesh.vertices[:, 1:] - (waves @ coefficients).real, axis=1)
 
 
-def radii(mesh: PeriodicMesh) -> tuple[float, float]:
-    """Smallest and largest distance of the vertices from the centres of their sections."""
-    found = distances(mesh)
-    return float(found.min()), float(found.max())
+def radii(functional: Functional, vertices: Array) -> tuple[float, float]:
+    """Smallest and largest distance of a surface from the centres of its sections.
+
+    Centres are centroids. Of a polyhedron at its vertices; of a limit surface between its quadrature points, too: of fourth
+    order in the mesh width. (Reduced modes take the centre about which a section's radius has no first wave.)
+
+    Args:
+        functional: the discretization.
+        vertices: shape (V, 3).
+    """
+    if functional.kind == "cotangent":
+        found = distances(functional.mesh.moved(vertices))
+        return float(found.min()), float(found.max())
+    length, p = functional.mesh.length, functional.quadrature
+    waves = int(np.clip(length / (EDGES * functional.mesh.edge_lengths.mean()), 1, PLANES // 2))
+    points, volumes, moments = _volumes(
+        vertices, p.start, p.index, p.weights, p.offsets, p.weight, 2 * math.pi / length, waves
+    )
+    centre = _projected_centres(volumes, moments)
+    squares = _squares(points, centre, 2 * math.pi / length)
+    thin, thick = (
+        sign * _extreme(vertices, p, int((sign * squares).argmin()), sign, centre, length) for sign in (1.0, -1.0)
+    )
+    return math.sqrt(max(thin, 0.0)), math.sqrt(thick)
+
+
+def _projected_centres(volumes: Array, moments: Array) -> Array:
+    """Waves of the centres ``c(x)``, shape (K + 1, 2), from those of the sections' areas ``A`` and first moments ``M``.
+
+    ``A c = M`` in the mean against every wave up to the K-th: a matrix that is positive definite, as ``A > 0``, even where
+    necks are so thin that the sum of waves of ``A`` is not.
+    """
+    areas = toeplitz(volumes, volumes.conj())
+    waves = len(moments) - 1
+    both = np.concatenate((moments[:0:-1].conj(), moments))
+    found = np.linalg.solve(areas, both)[waves:]
+    found[1:] *= 2  # with its conjugate
+    return np.asarray(found)
+
+
+@compiled
+def _volumes(vertices, start, index, weights, offsets, weight, k, waves):  # type: ignore[no-untyped-def]
+    """Quadrature points of a limit surface, and waves of the areas and first moments of its sections.
+
+    ``int A e^{-ijkx} dx`` is the integral of ``e^{-ijkx}`` over the volume, and by the theorem of Gauss one over the surface,
+    which needs no section: of ``(y, z)/2`` times the wave, for first moments of ``y (y, z)/3`` and ``z (y, z)/3``.
+    """
+    points = np.empty((start.size - 1, 3))
+    volumes = np.zeros(2 * waves + 1, dtype=np.complex128)
+    moments = np.zeros((waves + 1, 2), dtype=np.complex128)
+    field = np.empty((3, 3))  # the point and both tangents
+    for q in range(start.size - 1):
+        field[:] = 0.0
+        for j in range(start[q], start[q + 1]):
+            for row in range(3):
+                for axis in range(3):
+                    field[row, axis] += weights[row, j] * vertices[index[j], axis]
+        for row in range(3):
+            field[row, 0] += offsets[row, q]
+        points[q] = field[0]
+        a, b = field[1], field[2]
+        y, z = field[0, 1], field[0, 2]
+        flux = weight * (y * (a[2] * b[0] - a[0] * b[2]) + z * (a[0] * b[1] - a[1] * b[0]))
+        step, wave = np.exp(-1j * k * field[0, 0]), 1.0 + 0.0j
+        for j in range(2 * waves + 1):
+            volumes[j] += flux / 2 * wave
+            if j <= waves:
+                moments[j, 0] += flux * y / 3 * wave
+                moments[j, 1] += flux * z / 3 * wave
+            wave *= step
+    return points, volumes, moments
+
+
+@compiled
+def _squares(points, centre, k):  # type: ignore[no-untyped-def]
+    """Squared distances of points from the centres."""
+    found = np.empty(len(points))
+    for q in range(len(points)):
+        step, wave = np.exp(1j * k * points[q, 0]), 1.0 + 0.0j
+        y, z = points[q, 1], points[q, 2]
+        for j in range(len(centre)):
+            y -= (centre[j, 0] * wave).real
+            z -= (centre[j, 1] * wave).real
+            wave *= step
+        found[q] = y**2 + z**2
+    return found
+
+
+def _extreme(vertices: Array, p: Patches, q: int, sign: float, centre: Array, length: float) -> float:
+    """Least of ``sign`` times the squared distance near a quadrature point: of its parabola, in the patch's parameters.
+
+    Along a line of equal distances the parabola is flat, and a step that would lead further than the next point is cut off.
+    """
+    terms = slice(p.start[q], p.start[q + 1])
+    fields = p.weights[:, terms] @ vertices[p.index[terms]]
+    fields[:, 0] += p.offsets[:, q]
+    x, across = fields[:, 0], fields[:, 1:]
+    k = 2j * math.pi / length * np.arange(len(centre))
+    c, c1, c2 = (((k**order * np.exp(k * x[0])) @ centre).real for order in range(3))
+    e, e_v, e_w = across[0] - c, across[1] - c1 * x[1], across[2] - c1 * x[2]
+    second = [across[row] - c1 * x[row] - c2 * x[one] * x[two] for row, one, two in ((3, 1, 1), (4, 1, 2), (5, 2, 2))]
+    gradient = 2 * sign * np.array([e @ e_v, e @ e_w])
+    vv, vw, ww = (e_a @ e_b + e @ s for e_a, e_b, s in zip((e_v, e_v, e_w), (e_v, e_w, e_w), second, strict=True))
+    curvatures, directions = np.linalg.eigh(2 * sign * np.array([[vv, vw], [vw, ww]]))
+    slopes = np.abs(directions.T @ gradient)
+    steps = np.minimum(slopes / np.maximum(curvatures, 1e-300), FARTHEST)
+    return float(sign * (e @ e) - slopes @ steps + curvatures @ steps**2 / 2)
