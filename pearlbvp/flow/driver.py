@@ -124,16 +124,18 @@ def start(problem: FlowProblem, q: Array, radius: float = 1.0) -> FlowState:
     return FlowState(problem, 0.0, q, rate, multipliers, problem.constraints(q), record)
 
 
-def constrained(problem: FlowProblem, q: Array, kept: Array) -> Array:
+def constrained(problem: FlowProblem, q: Array, kept: Array, normally: bool = False) -> Array:
     """The shape moved along the constraints' gradients until they have given values, by Newton's method.
 
-    Where the gradients are parallel, what cannot be reached by them stays as it is (least squares).
+    Where the gradients are parallel, what cannot be reached by them stays as it is (least squares). Gradients are those by
+    the coordinates, or ``normally`` by normal displacements, which are the same in all discretizations.
     """
     for _ in range(8):
         lack = problem.constraints(q) - kept
         if np.abs(lack).max() < 1e-14:
             break
         ways = problem.columns(q)
+        ways = problem.resistance(q, ways) if normally else ways
         q = q - ways @ np.linalg.lstsq(problem.constraint_rows(q) @ ways, lack, rcond=PARALLEL)[0]
     return q
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -57,7 +57,7 @@ class FlowStart:
         Args:
             kind: ``bump`` (eq. (flp1)), ``critical`` (eq. (flp2): along the most unstable vector) or ``none``.
             delta: size, in radii; a negative bump moves the surface outwards.
-            xi, centre: of the bump.
+            xi, centre: of the bump, ``xi`` positive or 0.
             keep: move the perturbed shape back to the area and volume it had before.
 
         Raises:
@@ -66,13 +66,18 @@ class FlowStart:
         if kind not in get_args(Perturbation):
             raise InputError(f"perturb: {kind!r} is none of {', '.join(get_args(Perturbation))}")
         delta = finite("delta", delta)
+        if not xi >= 0:
+            raise InputError(f"xi: {xi:g} must not be negative; 0 is a bump as wide as the tube is long")
         if kind == "none":
             return self.q
         if kind == "bump":
             q = bump(self.problem, self.q, delta, xi, centre)
         else:
             q = along_critical(self.problem, self.q, self.multipliers, delta)[0]
-        return constrained(self.problem, q, self.problem.constraints(self.q)) if keep else q
+        if not keep:
+            return q
+        whole = replace(self.problem, law="area and volume")  # whatever the flow keeps
+        return constrained(whole, q, whole.constraints(self.q), normally=True)
 
     def flow(self, q: Array, options: FlowOptions | None = None) -> FlowResult:
         """The flow from a shape on."""
