@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pearlbvp.errors import InputError
+from pearlbvp.errors import InputError, interrupted
 from pearlbvp.flow.integrator import Tolerances, integrator
 from pearlbvp.flow.problem import Array, FlowProblem, Said
 from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState, Record, Status, length_powers
@@ -165,7 +165,7 @@ def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
     except KeyboardInterrupt:
         ending = INTERRUPTED
     except SystemError as error:  # what an interruption inside compiled code turns into
-        if not isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+        if not interrupted(error):
             raise
         ending = INTERRUPTED
     status, reason, advice, equilibrium = ending
@@ -183,7 +183,7 @@ class _Ending(NamedTuple):
     equilibrium: Equilibrium | None = None
 
 
-INTERRUPTED = _Ending("interrupted", Said("it was interrupted"), "resume it")
+INTERRUPTED = _Ending("interrupted", Said("it was interrupted"), "resume it, if it was saved")
 
 
 class _Run:
@@ -323,10 +323,14 @@ class _Run:
         if self.state.t >= o.until:
             return _Ending("time", Said("the time asked for is reached"))
         if self.steps >= o.max_steps:
-            return _Ending("steps", Said(f"max_steps = {self.steps} are done"), "resume it, or give it more steps")
+            return _Ending(
+                "steps", Said(f"max_steps = {self.steps} are done"), "resume it, if it was saved, or give it more steps"
+            )
         if now - self.begun > o.max_seconds:
             return _Ending(
-                "seconds", Said(f"max_seconds = {o.max_seconds:g} are over"), "resume it, or give it more time"
+                "seconds",
+                Said(f"max_seconds = {o.max_seconds:g} are over"),
+                "resume it, if it was saved, or give it more time",
             )
         if now - self.saved > o.every:
             self.saved = now

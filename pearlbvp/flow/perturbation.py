@@ -27,22 +27,26 @@ def displaced(problem: FlowProblem, q: Array, speed: Callable[[Array], Array]) -
         speed: of the surface ``q``, at its sampled points, as ``problem.velocity`` returns them.
 
     Raises:
-        InputError: the surface closes on the way.
+        InputError: the surface closes on the way, or can no longer be described.
     """
+    begun = q
 
     def moved(shape: Array) -> Array:
         return problem.moved_by(shape, speed(shape)) / SUBSTEPS
 
-    with np.errstate(all="ignore"):
-        for _ in range(SUBSTEPS):
-            first = moved(q)
-            second = moved(q + first / 2)
-            third = moved(q + second / 2)
-            fourth = moved(q + third)
-            q = q + (first + 2 * second + 2 * third + fourth) / 6
-    if not np.isfinite(problem.constraints(q)).all():
-        raise InputError("delta: the perturbed surface closes or crosses itself; perturb it less")
-    return q
+    try:
+        with np.errstate(all="ignore"):
+            for _ in range(SUBSTEPS):
+                first = moved(q)
+                second = moved(q + first / 2)
+                third = moved(q + second / 2)
+                fourth = moved(q + third)
+                q = q + (first + 2 * second + 2 * third + fourth) / 6
+            if np.isfinite(problem.constraints(q)).all() and (problem.trouble(q) is None or problem.trouble(begun)):
+                return q
+    except (InputError, np.linalg.LinAlgError):  # triangles that are none any more, a surface of no area
+        pass
+    raise InputError("delta: the perturbed surface closes, crosses itself or is too steep; perturb it less")
 
 
 def bump(problem: FlowProblem, q: Array, delta: float, xi: float = 1.0, centre: float = 0.0) -> Array:
