@@ -5,7 +5,9 @@ Everything that takes time to import is imported by the command that needs it, s
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import sys
 
 import click
@@ -20,7 +22,7 @@ from pearlbvp.commands.mesh import mesh
 from pearlbvp.commands.output import DONE, INTERRUPTED, UNUSABLE
 from pearlbvp.commands.period import period
 from pearlbvp.commands.region import region
-from pearlbvp.errors import InputError
+from pearlbvp.errors import InputError, interrupted
 
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -43,6 +45,8 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit status: 0 done, 1 some rows failed, 2 unusable input."""
     for name in _BLAS_THREADS:  # before numpy is loaded: our matrices are small, threads only slow them down
         os.environ.setdefault(name, "1")
+    with contextlib.suppress(ValueError):  # in a thread signals are not ours
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # as by Ctrl-C, what was computed is written
     try:
         status = _run(arguments)
         sys.stdout.flush()
@@ -74,9 +78,7 @@ def _run(arguments: list[str] | None) -> int:
         print("pearlbvp: interrupted", file=sys.stderr)
         return INTERRUPTED
     except SystemError as error:  # what an interruption inside compiled code turns into
-        from pearlbvp.compiled import is_interruption
-
-        if not is_interruption(error):
+        if not interrupted(error):
             raise
         print("pearlbvp: interrupted", file=sys.stderr)
         return INTERRUPTED

@@ -32,22 +32,6 @@ def compiled(function: F) -> F:
     return cast(F, dispatcher)
 
 
-def is_interruption(error: BaseException) -> bool:
-    """Whether an error is what an interruption inside compiled code turned into.
-
-    Numba's dispatchers run some Python when they are called. Interrupted there, each C function on the way out reports a
-    ``SystemError`` whose cause is what it met: a KeyboardInterrupt lies at the end of a chain, of any length.
-    """
-    seen: set[int] = set()
-    cause: BaseException | None = error
-    while cause is not None and id(cause) not in seen:
-        if isinstance(cause, KeyboardInterrupt):
-            return True
-        seen.add(id(cause))
-        cause = cause.__cause__ or cause.__context__
-    return False
-
-
 class _Announcement(event.Listener):
     """Says once a process, on standard error, that our loops are being compiled. Silent when they come from disk."""
 

@@ -3,3 +3,10 @@
 
 class InputError(ValueError):
     """An argument that cannot be used. The message is one line that names the argument and the remedy."""
+
+
+def interrupted(error: BaseException | None) -> bool:
+    """Whether an error comes from an interruption by the user: compiled code turns that into others, one upon another."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None

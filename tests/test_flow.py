@@ -354,12 +354,12 @@ def test_a_symmetric_start_rests_on_a_saddle():
     branch = pearls(0.48, 15, 2, 1.02)
     start = start_at(branch)
     k = 4 * np.pi * start.problem.x / 15
-    result = start.flow(displaced(start.problem, start.q, 0.01 * np.cos(k)))
+    result = start.flow(displaced(start.problem, start.q, lambda _: 0.01 * np.cos(k)))
     assert result.status == "saddle"
     assert result.equilibrium.growth_rates[0] > 0.1
     check(result)
     onwards = flow(result.equilibrium.problem, displaced(
-        start.problem, result.equilibrium.q, 1e-3 * np.cos(k / 2)
+        start.problem, result.equilibrium.q, lambda _: 1e-3 * np.cos(k / 2)
     ))  # fmt: skip
     assert onwards.status == "steady"
 

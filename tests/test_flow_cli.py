@@ -2,6 +2,10 @@
 
 import io
 import re
+import signal
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pandas as pd
@@ -89,8 +93,52 @@ def test_a_profile_from_a_table(capsys, folder):
     assert end["v"] == pytest.approx(1 + 0.3**2 / 2, abs=1e-5)  # of the spline through 41 points
     scale = (1 + 0.3 * np.cos(0.2 * np.pi * x[:-1])) * np.hypot(1, 0.06 * np.pi * np.sin(0.2 * np.pi * x[:-1]))
     area = scale.mean()
-    pearls = pearl_branch(0, 10 / area, 1, branch_options({"v": end["v"] / area**2})).points[-1].observables
-    assert end["E"] * area**2 == pytest.approx(pearls["E"], abs=1e-6)
+    assert end["area"] == pytest.approx(area, abs=1e-5)
+    # The branch of the similar tube at the reduced volume that the table has.
+    scale = end["area"]
+    pearls = pearl_branch(0, 10 / scale, 1, branch_options({"v": end["v_reduced"]})).points[-1].observables
+    for name, power in (("E", 2), ("lambda1", 2), ("lambda2", 3), ("r_min", -1)):
+        assert end[name] * scale**power == pytest.approx(pearls[name], abs=1e-6)
+
+
+def test_a_flow_onto_the_straight_tube_says_so(capsys, folder, tmp_path):
+    """At given pressure, where the straight tube is stable."""
+    x = np.linspace(-5, 5, 41)
+    pd.DataFrame({"x": x, "r": 1 + 0.02 * np.cos(0.2 * np.pi * x)}).to_csv(tmp_path / "p.csv", index=False)
+    start = ["--profile", tmp_path / "p.csv", "--c0", 0, "--length", 10, "--law", "area", "--pressure", -0.5]
+    table, err = rows_of(capsys, *start)
+    assert table["amplitude"].iloc[-1] < 1e-5
+    assert "its end is the straight tube" in err
+    assert "pearlbvp dispersion has its stability" in err
+
+
+def test_a_killed_flow_writes_what_it_has(folder, tmp_path):
+    """SIGTERM as Ctrl-C: the table so far, one line, status 130."""
+    words = [
+        "flow",
+        "--from",
+        folder / "b.h5",
+        "--nodes",
+        "800",
+        "--out",
+        tmp_path / "f.csv",
+        "--save",
+        tmp_path / "f.h5",
+    ]
+    process = subprocess.Popen([sys.executable, "-m", "pearlbvp", *map(str, words)], stderr=subprocess.PIPE, text=True)
+    for _ in range(600):  # it saves every two seconds
+        if (tmp_path / "f.h5").exists() or process.poll() is not None:
+            break
+        time.sleep(0.1)
+    process.send_signal(signal.SIGTERM)
+    _, err = process.communicate(timeout=60)
+    err = [line for line in err.splitlines() if "compiling" not in line]
+    assert process.returncode == 130, err
+    assert len(err) == 1
+    assert err[0].startswith("pearlbvp: interrupted: at t = ")
+    table = pd.read_csv(tmp_path / "f.csv")
+    assert len(table) > 1
+    assert table["E"].iloc[-1] < table["E"].iloc[0]
 
 
 @pytest.mark.parametrize(
@@ -124,17 +172,33 @@ def test_a_profile_from_a_table(capsys, folder):
         (["--profile", "{bad}", "--c0", "0", "--length", "10"], "--profile"),
         (["--c0", "0", "--length", "10"], "--point"),
         (["--family", "buckle", "--c0", "0", "--length", "10", "--point", "v=0.97", "--size", "2,2"], "--size"),
+        (["--from", "{b}", "--xi", "-1"], "--xi"),
+        (["--from", "{b}", "--tube", "--xi", "-1"], "--xi"),
+        (["--from", "{b}", "--nodes", "300", "--xi", "-1"], "--xi"),
+        (["--from", "{b}", "--delta", "-50"], "--delta"),
+        (["--from", "{b}", "--nodes", "300", "--delta", "-50"], "--delta"),
+        (["--from", "{b}", "--tube", "--size", "1,1"], "--size"),
+        (["--from", "{b}", "--tube", "--size", "60,60"], "--size"),
+        (["--from", "{b}", "--tube", "--point", "0"], "shape"),
+        (["--from", "{b}", "--nodes", "300", "--point", "0"], "shape"),
+        (["--c0", "0", "--length", "10", "--point", "v=1"], "--point"),
+        (["--c0", "0", "--length", "10", "--point", "B"], "--point"),
+        (["--c0", "0", "--length", "10", "--point=A7"], "--point"),
         (["--family", "coil", "--c0", "0", "--length", "10", "--point", "v=0.97", "--law", "diffusion"], "--law"),
     ],
 )
 def test_mistakes_are_one_line(capsys, folder, arguments, name):
     pd.DataFrame({"x": [0.0, 1.0, 2.0, 3.0], "r": [1.0, 1.0, -1.0, 1.0]}).to_csv(folder / "bad.csv", index=False)
     arguments = [a.replace("{bad}", str(folder / "bad.csv")) for a in arguments]
-    perturb = ["--perturb", "none"] if arguments[-1] == "0" else []
+    perturb = ["--perturb", "none"] if arguments[-2:] == ["--point", "0"] else []
     status, out, err = run(capsys, "flow", *(a.replace("{b}", str(folder / "b.h5")) for a in arguments), *perturb)
     assert (status, out) == (2, "")
     assert err.startswith(f"pearlbvp: {name}: ")
     assert err.count("\n") == 1
+    if "=A7" in arguments[-1] or arguments[-1] == "B":
+        assert "A2 (pearl, c0 = 0, L = 10 radii), B (coil, c0 = 0, L = 10 radii)" in err
+    if arguments[-1] == "v=1" or name == "shape":
+        assert "straight tube" in err
 
 
 def test_a_saved_coil_flows_back(capsys, tmp_path):
@@ -157,7 +221,10 @@ def rows_of(capsys, *arguments, table=True):
     return (pd.read_csv(io.StringIO(out)), err) if table else err
 
 
-POWERS = {"lambda1": -2, "lambda2": -3, "E": -2, "v": 0, "area_error": 0, "amplitude": 1, "r_min": 1, "r_max": 1}
+POWERS = {
+    "lambda1": -2, "lambda2": -3, "E": -2, "v": 0, "area_error": 0, "amplitude": 1, "r_min": 1, "r_max": 1, "area": 0,
+    "v_reduced": 0,
+}  # fmt: skip
 
 
 def test_a_radius_scales_a_flow(capsys, folder):

@@ -243,7 +243,7 @@ def test_bad_starts_and_necks_are_named():
         return np.column_stack((x, r * np.cos(phi), r * np.sin(phi)))
 
     problem, q = surface_start(0.0, tube_mesh(L, 200, necked))
-    with pytest.raises(InputError, match=r"neck at x = .*vertex .* thin"):
+    with pytest.raises(InputError, match=r"neck at x = .*vertex .* radius of 0.13"):
         flow(problem, q)
     problem, q = surface_start(1.5, tube_mesh(L, 200, lambda x, phi: bulged(x, phi) * (1, 0.8, 0.8)))
     result = flow(problem, q, QUICK)

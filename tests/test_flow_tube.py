@@ -184,6 +184,20 @@ def test_pearls_among_tubes_have_the_rates_of_all_their_blocks():
     np.testing.assert_allclose(rates, np.sort(blocks)[::-1][:6], rtol=1e-5)
 
 
+def test_radii_are_those_of_the_function_and_not_of_a_grid():
+    """Against collocation's extremes, on a grid whose points miss the neck."""
+    point = pearl_branch(0, 10, 1, branch_options({"v": 1.1})).points[-1]
+    start = pearl_tube_start(point.point.problem, point.point.u, size=(17, 3))
+    matrix, phase = start.q.reshape(start.problem.tensor.shape).copy(), 0.7 * np.arange(1, 18)  # shifted along
+    cosine, sine = matrix[1:18].copy(), matrix[18:].copy()
+    matrix[1:18] = np.cos(phase)[:, None] * cosine - np.sin(phase)[:, None] * sine
+    matrix[18:] = np.sin(phase)[:, None] * cosine + np.cos(phase)[:, None] * sine
+    found = start.problem.observables(matrix.ravel(), start.multipliers)
+    for name in ("r_min", "r_max", "amplitude"):
+        assert found[name] == pytest.approx(point.observables[name], abs=1e-9)
+    assert start.problem._fields(matrix.ravel())[3].min() > found["r_min"] + 1e-5
+
+
 def test_waves_are_added_saved_and_drawn(tmp_path):
     start = settled(tubes(0.0, "coil", "v", 0.9), (5, 5))
     finer, q = start.problem.refined(start.q)

@@ -59,7 +59,13 @@ if TYPE_CHECKING:
 @click.option("--perturb", type=click.Choice(["bump", "critical", "none"]), default="bump", show_default=True,
               help="A bump, or the most unstable vector.")  # fmt: skip
 @click.option("--delta", type=Number(), default=-0.125, show_default="-0.125 R", help="Size of the perturbation.")
-@click.option("--xi", type=Number(), default=1.0, show_default="1/R^2", help="The bump is 1/(1 + xi x^2).")
+@click.option(
+    "--xi",
+    type=Number(),
+    default=1.0,
+    show_default="1/R^2",
+    help="The bump is 1/(1 + xi x^2), on tubes and meshes times cos(phi).",
+)
 @click.option("--centre", type=Number(), default=0.0, show_default=True, help="Axial position of the bump.")
 @click.option("--keep", is_flag=True, help="Move the perturbed shape back to the area and volume it had.")
 @click.option("--law", type=click.Choice(["area and volume", "area", "diffusion"]), default="area and volume",
@@ -100,9 +106,17 @@ def flow(
 ) -> int:
     """Let a perturbed shape of a branch flow at fixed area and volume, until it rests on a stable shape.
 
-    Columns: t, E, lambda1, lambda2, area_error, volume_error (relative), velocity (the largest along the normal),
-    v, amplitude, r_min, r_max; a row for every accepted step. How the flow ends goes to standard error: on which
-    shape it rests, and how stable that is to all perturbations of this tube.
+    Columns: t, E, lambda1, lambda2, area_error, volume_error (relative changes), velocity (the largest along the normal), v,
+    amplitude, r_min, r_max, area (by that of the straight tube), v_reduced; a row for every accepted step, and a second one
+    at the same time where the shape is refined or remeshed. A perturbed shape has another area than the branch's: it is
+    similar to one of area 1 on a tube of length L/area with c0 times area, whose v is v_reduced = v/area^2; compare that
+    with pearlbvp branch. How the flow ends goes to standard error: on which shape it rests, and how stable that is to all
+    perturbations of this tube.
+
+    A bump is 1/(1 + xi x^2) times cos(phi) on --tube, --nodes and all but pearls; pearls as graphs have it without
+    cos(phi), so their start is another one.
+
+    By --law area, E + lambda2 V falls and E may rise, and volume_error is the volume's real change.
 
     With --radius all that is given and written is in its unit: the velocity is -dF, of dimension 1/length^3, so times have
     that of length^4 (by --law diffusion of length^6). Saved flows are in radii: give --radius again to resume one.
@@ -133,7 +147,7 @@ def flow(
 
     from pearlbvp.flow.driver import FlowOptions, resumed
     from pearlbvp.flow.driver import start as beginning
-    from pearlbvp.flow.record import COLUMNS, length_powers
+    from pearlbvp.flow.record import length_powers
     from pearlbvp.studies import flow as study
 
     with tqdm(unit="step", disable=None) as bar:
@@ -164,7 +178,7 @@ def flow(
         from pearlbvp.figures.flow import write_movie
 
         write_whole("--movie", movie, lambda path: write_movie(result.state, path, unit=unit))
-    table = in_units_of_radius(result.table()[list(COLUMNS)], radius, **powers)
+    table = in_units_of_radius(result.table(), radius, **powers)
 
     def draw() -> Figure:
         from pearlbvp.figures.flow import draw_flow
@@ -281,7 +295,7 @@ def _start(
     from pearlbvp.studies import branch as branches
     from pearlbvp.studies.flow_start import mesh_start, pearl_start, pearl_tube_start, profile_start, tube_start
     from pearlbvp.studies.mesh import NODES
-    from pearlbvp.studies.point import SAMPLES, chosen
+    from pearlbvp.studies.point import chosen, sample
     from pearlbvp.studies.ring import reduced
     from pearlbvp.studies.tube import tube_branch
 
@@ -296,12 +310,16 @@ def _start(
         if c0 is None or length is None:
             raise InputError("--c0, --length: give both, or a saved branch with --from")
         name, equals, value = point.partition("=")
-        known = SAMPLES.get((family, c0, length, point))
-        if not equals and known is None:
+        if not equals and point.lstrip("+-").isdigit():
             raise InputError(
                 "--point: without --from, give NAME=VALUE, like v=1.02, for how far the branch is followed"
             )
-        stop = {name: finite("point", value)} if equals else dict([known])  # type: ignore[list-item, arg-type]
+        stop = dict([(name, finite("point", value)) if equals else sample(family, c0, length, point)])  # type: ignore[arg-type]
+        if stop.get("v") == 1:
+            raise InputError(
+                "--point: v=1 is the straight tube, where the branch begins; give a value on the branch, or save it with "
+                "pearlbvp branch --save for --from and --point 0"
+            )
         try:
             options = branches.branch_options(stop)
         except InputError as error:

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol
 
 import numpy as np
 
-from pearlbvp.compiled import is_interruption
 from pearlbvp.continuation.events import Event, events_between, first_wanted
 from pearlbvp.continuation.path import P, Path, PathEnd, PathOptions, Point, steps
 from pearlbvp.continuation.problem import Array, Problem
 from pearlbvp.continuation.segment import Segment
+from pearlbvp.errors import interrupted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -259,7 +259,7 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
     except KeyboardInterrupt:
         return end(INTERRUPTED)
     except SystemError as error:  # what an interruption inside compiled code turns into
-        if not is_interruption(error):
+        if not interrupted(error):
             raise
         return end(INTERRUPTED)
 

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pearlbvp.errors import InputError
+from pearlbvp.errors import InputError, interrupted
 from pearlbvp.flow.integrator import Tolerances, integrator
 from pearlbvp.flow.problem import Array, FlowProblem, Said
 from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState, Record, Status, length_powers
@@ -124,16 +124,18 @@ def start(problem: FlowProblem, q: Array, radius: float = 1.0) -> FlowState:
     return FlowState(problem, 0.0, q, rate, multipliers, problem.constraints(q), record)
 
 
-def constrained(problem: FlowProblem, q: Array, kept: Array) -> Array:
+def constrained(problem: FlowProblem, q: Array, kept: Array, normally: bool = False) -> Array:
     """The shape moved along the constraints' gradients until they have given values, by Newton's method.
 
-    Where the gradients are parallel, what cannot be reached by them stays as it is (least squares).
+    Where the gradients are parallel, what cannot be reached by them stays as it is (least squares). Gradients are those by
+    the coordinates, or ``normally`` by normal displacements, which are the same in all discretizations.
     """
     for _ in range(8):
         lack = problem.constraints(q) - kept
         if np.abs(lack).max() < 1e-14:
             break
         ways = problem.columns(q)
+        ways = problem.resistance(q, ways) if normally else ways
         q = q - ways @ np.linalg.lstsq(problem.constraint_rows(q) @ ways, lack, rcond=PARALLEL)[0]
     return q
 
@@ -163,7 +165,7 @@ def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
     except KeyboardInterrupt:
         ending = INTERRUPTED
     except SystemError as error:  # what an interruption inside compiled code turns into
-        if not isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+        if not interrupted(error):
             raise
         ending = INTERRUPTED
     status, reason, advice, equilibrium = ending
@@ -181,7 +183,7 @@ class _Ending(NamedTuple):
     equilibrium: Equilibrium | None = None
 
 
-INTERRUPTED = _Ending("interrupted", Said("it was interrupted"), "resume it")
+INTERRUPTED = _Ending("interrupted", Said("it was interrupted"), "resume it, if it was saved")
 
 
 class _Run:
@@ -321,10 +323,14 @@ class _Run:
         if self.state.t >= o.until:
             return _Ending("time", Said("the time asked for is reached"))
         if self.steps >= o.max_steps:
-            return _Ending("steps", Said(f"max_steps = {self.steps} are done"), "resume it, or give it more steps")
+            return _Ending(
+                "steps", Said(f"max_steps = {self.steps} are done"), "resume it, if it was saved, or give it more steps"
+            )
         if now - self.begun > o.max_seconds:
             return _Ending(
-                "seconds", Said(f"max_seconds = {o.max_seconds:g} are over"), "resume it, or give it more time"
+                "seconds",
+                Said(f"max_seconds = {o.max_seconds:g} are over"),
+                "resume it, if it was saved, or give it more time",
             )
         if now - self.saved > o.every:
             self.saved = now

@@ -17,8 +17,11 @@ COLUMNS = ("t", "E", "lambda1", "lambda2", "area_error", "volume_error", "veloci
 
 
 def length_powers(law: str) -> dict[str, int]:
-    """Powers of the length unit in time and velocity: ``-dF`` is ``length^-3``, its Laplacian, for diffusion, ``length^-5``."""
-    return {"t": 6, "velocity": -5} if law == "diffusion" else {"t": 4, "velocity": -3}
+    """Powers of the length unit in time and velocity: ``-dF`` is ``length^-3``, its Laplacian, for diffusion, ``length^-5``.
+
+    And that of the area, which in flows is by the straight tube's.
+    """
+    return {"t": 6, "velocity": -5, "area": 0} if law == "diffusion" else {"t": 4, "velocity": -3, "area": 0}
 
 
 Status = Literal[
@@ -85,10 +88,16 @@ class Record:
         return Record(self.start, {name: list(values) for name, values in self.rows.items()}, list(self.frames))
 
     def table(self) -> pd.DataFrame:
-        """A row for every accepted step, with the columns ``COLUMNS``."""
+        """A row for every accepted step: ``COLUMNS``, and ``area, v_reduced``.
+
+        The area is by that of the straight tube, ``s = A/(2 pi L)``; ``v/s^2`` is the reduced volume of the similar shape at
+        ``s = 1``, as branches have it (``studies.flow_end``).
+        """
         import pandas as pd
 
-        return pd.DataFrame(self.rows)
+        table = pd.DataFrame(self.rows)
+        area = self.start[0] * (1 + table["area_error"])
+        return table.assign(area=area, v_reduced=table["v"] / area**2)
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,10 @@ from pearlbvp.flow.problem import Array, Law, Said, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
 from pearlbvp.flow.tensor import DISPLACEMENT, FIELDS, Tensor
 from pearlbvp.tube.density import gradients, hessians
+from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.torus import TorusFunction
+from pearlbvp.tube.waves import Cell, ModeWaves
 
 THINNEST, STEEPEST = 1e-2, 20.0
 """Radius of a section about its centre, and slope of the surface against the axis, beyond which these modes are left."""
@@ -53,8 +55,14 @@ class TubeFlow:
     def __post_init__(self) -> None:
         check_law(self.law)
         along, around = self.size
-        if along < 1 or around < 2 or (2 * along + 1) * (2 * around + 1) > MOST_MODES:
-            raise InputError(f"size: {along} x {around} modes are too few or more than {MOST_MODES} functions")
+        if along < 1 or around < 2:
+            raise InputError(f"size: {along},{around} waves along and around are too few; give at least 1,2")
+        count = (2 * along + 1) * (2 * around + 1)
+        if count > MOST_MODES:
+            raise InputError(
+                f"size: {along},{around} waves along and around are {count} functions, more than {MOST_MODES}; "
+                "give fewer, like 24,24 or 60,9"
+            )
 
     @cached_property
     def tensor(self) -> Tensor:
@@ -65,6 +73,12 @@ class TubeFlow:
     def modes(self) -> tuple[Mode, ...]:
         """The modes whose coefficients ``q`` holds, as ``tube.modes`` has them."""
         return self.tensor.modes
+
+    @cached_property
+    def _cell(self) -> tuple[ModeWaves, Cell]:
+        """The modes as waves, and the period they live on, with points for its extremes."""
+        (waves,) = ModeWaves.of(self.tensor.k, 0.0, self.modes)
+        return waves, Cell(1, 1, (2 * self.size[0] + 2, 2 * self.size[1] + 2))
 
     def packed(self, known: Mapping[Mode, float]) -> Array:
         """``q`` of known coefficients; the others are 0, and what does not fit into ``size`` is dropped."""
@@ -247,7 +261,7 @@ class TubeFlow:
         z = self._fields(q)
         energy, area = gradients(z, self.c0)[0].mean(axis=1)
         volume = float(z[3] @ z[3]) / (2 * z.shape[1])
-        thin, thick = float(z[3].min()), float(z[3].max())
+        thin, thick = extremes(*self._cell, q)
         return {
             "lambda1": float(multipliers[0]), "lambda2": self._lambda2(multipliers), "E": float(energy / area),
             "area": float(area), "volume": volume, "v": 2 * volume, "amplitude": (thick - thin) / 2, "r_min": thin,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -25,9 +25,11 @@ from pearlbvp.helfrich import Tube, finite
 from pearlbvp.mesh.adaptation import smoothed
 from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.mesh.problem import MeshProblem
+from pearlbvp.mesh.start import straight
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.stability.profile import Profile
-from pearlbvp.studies.mesh import NODES, meshed
+from pearlbvp.studies.mesh import NODES, SMALLEST_AMPLITUDE, meshed, shape_mesh
 from pearlbvp.tube.problem import TubeProblem
 
 UNLIKE = 1e-5
@@ -57,7 +59,7 @@ class FlowStart:
         Args:
             kind: ``bump`` (eq. (flp1)), ``critical`` (eq. (flp2): along the most unstable vector) or ``none``.
             delta: size, in radii; a negative bump moves the surface outwards.
-            xi, centre: of the bump.
+            xi, centre: of the bump, ``xi`` positive or 0.
             keep: move the perturbed shape back to the area and volume it had before.
 
         Raises:
@@ -66,13 +68,18 @@ class FlowStart:
         if kind not in get_args(Perturbation):
             raise InputError(f"perturb: {kind!r} is none of {', '.join(get_args(Perturbation))}")
         delta = finite("delta", delta)
+        if not xi >= 0:
+            raise InputError("xi: it must not be negative, or the bump is infinite somewhere; give 0 or more")
         if kind == "none":
             return self.q
         if kind == "bump":
             q = bump(self.problem, self.q, delta, xi, centre)
         else:
             q = along_critical(self.problem, self.q, self.multipliers, delta)[0]
-        return constrained(self.problem, q, self.problem.constraints(self.q)) if keep else q
+        if not keep:
+            return q
+        whole = replace(self.problem, law="area and volume")  # whatever the flow keeps
+        return constrained(whole, q, whole.constraints(self.q), normally=True)
 
     def flow(self, q: Array, options: FlowOptions | None = None) -> FlowResult:
         """The flow from a shape on."""
@@ -153,11 +160,13 @@ def profile_start(
     if x.ndim != 1 or x.shape != r.shape or len(x) < 4 or not (np.isfinite(x).all() and np.isfinite(r).all()):
         raise InputError("profile: give four or more places x and as many radii r, all finite")
     if np.diff(x).min() <= 0 or x[-1] - x[0] > tube.length:
-        raise InputError(f"profile: x must grow, within one period of {tube.length:g}")
+        raise InputError(
+            "profile: x must grow from row to row, within one period; sort the rows, or give a longer length"
+        )
     if r.min() <= 0:
-        raise InputError(f"profile: the radius {r.min():g} at x = {x[r.argmin()]:g} must be positive")
+        raise InputError(f"profile: r in row {int(r.argmin()) + 1} is not positive; give distances from the axis")
     if x[-1] - x[0] == tube.length and r[-1] != r[0]:
-        raise InputError(f"profile: its ends are one period apart, so r = {r[0]:g} and {r[-1]:g} must be the same")
+        raise InputError("profile: its ends are one period apart, but r differs there; make them the same, or drop one")
     closed = x[-1] - x[0] == tube.length
     if not closed:
         x, r = np.append(x, x[0] + tube.length), np.append(r, r[0])
@@ -199,6 +208,8 @@ def pearl_tube_start(
 def _settled(tube: TubeFlow, q: Array, found: Mapping[str, float]) -> FlowStart:
     kept = np.array([1.0, found["v"] / 2])[: 2 if tube.law == "area and volume" else 1]
     multipliers = np.array([found["lambda1"], found["lambda2"]])[: len(kept)]
+    if found["amplitude"] < SMALLEST_AMPLITUDE:  # the straight tube is exact, and Newton's method singular there
+        return FlowStart(tube, q, multipliers)
     there = polished(tube, q, multipliers, kept)
     if not there.converged or abs(there.observables["E"] - found["E"]) > UNLIKE * found["E"]:
         raise InputError(f"size: {tube.size[0]} x {tube.size[1]} modes do not hold a branch's shape; take more")
@@ -217,9 +228,15 @@ def mesh_start(
         law: what the flow keeps.
 
     Raises:
-        InputError: the mesh is too coarse for the shape, that is the straight tube, or an argument cannot be used.
+        InputError: the mesh is too coarse for the shape, or an argument cannot be used.
     """
-    problem, u = meshed(point, nodes, kind=kind)
+    found = point.observables
+    if isinstance(point.problem, MeshProblem):
+        problem, u = point.problem, point.u
+    elif found["amplitude"] < SMALLEST_AMPLITUDE:
+        problem, u = straight(shape_mesh(point, nodes), found["c0"], found["lambda2"], kind)
+    else:
+        problem, u = meshed(point, nodes, kind=kind)
     pressure = float(u[-2]) if law == "area" else 0.0
     mesh = problem.mesh.moved(problem.vertices(u))
     start = mesh_flow(mesh, problem.c0, problem.kind, law, pressure, problem.functional, adapt=problem.adapt)

@@ -20,6 +20,26 @@ SAMPLES = {
 """Samples of the paper's branches by family, ``c0``, ``L`` and name (Table ptab1)."""
 
 
+def sample(family: str, c0: float, length: float, name: str) -> tuple[str, float]:
+    """Column and value by which the paper gives a sample of a branch.
+
+    Args:
+        family, c0, length: of the branch.
+        name: the sample's.
+
+    Raises:
+        InputError: the branch has none of that name; the message says which there are.
+    """
+    known = SAMPLES.get((family, c0, length, name))
+    if known is None:
+        names = ", ".join(f"{key[3]} ({key[0]}, c0 = {key[1]:g}, L = {key[2]:g} radii)" for key in SAMPLES)
+        raise InputError(
+            f"point: {name!r} is no point of a {family} branch at c0 = {c0:.6g}, L = {length:.6g} radii; give NAME=VALUE, "
+            f"like v=1.02, a number on a saved branch, or a sample of the paper: {names}"
+        )
+    return known
+
+
 def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
     """A point of a branch.
 
@@ -45,12 +65,7 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
     if equals:
         value = finite("point", text)  # type: ignore[arg-type]
     else:
-        first = points[0].observables
-        known = {key[3]: found for key, found in SAMPLES.items() if key[:3] == (family, first["c0"], first["L"])}
-        if name not in known:
-            names = f" or one of {', '.join(known)}" if known else ""
-            raise InputError(f"point: {name!r} is no point of this branch; give its number, NAME=VALUE{names}")
-        column, value = known[name]
+        column, value = sample(family, points[0].observables["c0"], points[0].observables["L"], name)
     if column not in points[0].observables:
         raise InputError(
             f"point: {column!r} is no column of the branch; choose one of {', '.join(points[0].observables)}"
@@ -64,7 +79,7 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
                 return Segment(before, after).root(lambda point: point.observables[column] - value, ends[0])
             except PathEnd:
                 break
-    raise InputError(f"point: {column} = {value:g} is not reached on this branch; follow it further")
+    raise InputError(f"point: that value of {column} is not reached on this branch; follow it further")
 
 
 def in_radii(name: str, radius: float, powers: Mapping[str, int]) -> str:
