@@ -323,9 +323,7 @@ class _Run:
         if self.state.t >= o.until:
             return _Ending("time", Said("the time asked for is reached"))
         if self.steps >= o.max_steps:
-            return _Ending(
-                "steps", Said(f"max_steps = {self.steps} are done"), "resume it, if it was saved, or give it more steps"
-            )
+            return _Ending("steps", Said(f"max_steps = {self.steps} are done"), "resume it, or take more steps")
         if now - self.begun > o.max_seconds:
             return _Ending(
                 "seconds",
