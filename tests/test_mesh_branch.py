@@ -299,7 +299,7 @@ def test_files(ending, tmp_path):
     back = read_mesh(where, L)
     assert back.count == mesh.count
     assert (back.area, back.volume) == pytest.approx((mesh.area, mesh.volume), rel=1e-6)
-    with pytest.raises(InputError, match="has no second triangle"):
+    with pytest.raises(InputError, match="length: no two points of the file lie 9 apart"):
         read_mesh(where, 0.9 * L)
     with pytest.raises(InputError, match="length"):
         read_mesh(where, -1)
