@@ -62,3 +62,18 @@ def test_a_neutral_mode_drowns_no_other():
     exact = [growth_rate(2 * np.pi * m / 10, n, float(u[-2]), -1.0) for m, n in ((1, 1), (1, 2))]
     np.testing.assert_allclose(rates[2:6], exact[0], rtol=1e-3)  # sines and cosines both ways
     assert max(exact[1], rates[6]) < rates[5]
+
+
+@pytest.mark.parametrize("family", ["coil", "buckle"])
+def test_branches_from_the_straight_tube_are_of_fourth_order(family):
+    """Vertices that moved along normals lie less well than those of a mesh made for the shape; the order is the same."""
+    options = branch_options({"v": 0.95})
+    exact = tube_branch(0.0, 10.0, family, (1, 1), options).points[-1].observables
+    errors, counts = [], []
+    for nodes in (500, 1000):
+        point = mesh_branch(0.0, 10.0, family, (1, 1), nodes, options).points[-1]
+        errors.append([abs(point.observables[name] / exact[name] - 1) for name in ("lambda1", "lambda2", "E")])
+        counts.append(point.point.problem.mesh.count)
+    orders = 2 * np.log(np.divide(*errors)) / np.log(counts[1] / counts[0])
+    assert (orders > 3.3).all(), orders
+    assert np.max(errors[1]) < 6e-4

@@ -151,7 +151,7 @@ def branch(
 
     With --nodes the surface is a mesh, which needs no sections; one to two seconds a point at 500, ten at 3000. Where mu_error
     is not small beside mu_crit, n_unstable is not certain; of the rest two numbers of nodes tell the error. Of subdivision
-    surfaces at v = 0.95, 500 nodes give multipliers to 1e-3 and amplitudes to 1e-2, 3000 to 2e-5 and 3e-4; cotangents give 2e-2
+    surfaces at v = 0.95, 500 nodes give multipliers to 2e-3 and amplitudes to 1e-2, 3000 to 6e-5 and 1e-3; cotangents give 2e-2
     and 2e-1, 6e-3 and 3e-2. critical is symmetric, breaking or all; bp,bp are two that lead to one branch. Where the mesh is
     renewed, the branch jumps by the mesh's error. A branch on a mesh is resumed and switched under any family's name.
     """
