@@ -6,18 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_continuation import Curve
 
 import pearls
-from pearlbvp.continuation.branch import BranchOptions, continue_branch, start_point
-from pearlbvp.continuation.path import PathOptions, correct
+from pearlbvp.continuation.branch import continue_branch, start_point
+from pearlbvp.continuation.path import correct
 from pearlbvp.continuation.switching import crossing_direction
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
-from pearlbvp.shapes.pearl import PearlProblem, pearling_onset, unrolled
-from pearlbvp.stability.spectrum import Block, Spectrum
+from pearlbvp.shapes.pearl import PearlProblem, unrolled
 from pearlbvp.studies.branch import (
     COLUMNS,
     branch_options,
@@ -132,19 +130,6 @@ def test_two_cells_from_one():
         assert backwards.table().iloc[-1][name] == pytest.approx(by_switch[name], abs=1e-9)
 
 
-def test_c0_075_has_two_folds_in_v_where_the_paper_says():
-    branch = pearl_branch(0.75, 10, 1, branch_options({"lambda2": -4.0}))
-    folds = [branch.at(special).observables["v"] for special in branch.find("fold:v")]
-    assert folds == [pytest.approx(1.045, abs=1e-3), pytest.approx(0.98, abs=2e-3)]
-    # At a turning point of v an unstable perturbation at fixed v is gained or lost: no branch points there.
-    for special in branch.find("fold:v"):
-        before, after = branch.points[special.index - 1], branch.points[special.index + 1]
-        own = Block(0, 0, 1, "even")
-        change = (after.spectrum.rates[own] > 0).sum() - (before.spectrum.rates[own] > 0).sum()
-        assert abs(change) == 1
-    assert all(special.block != Block(0, 0, 1, "even") for special in branch.find("bp"))
-
-
 def test_c0_0_is_stable_far_beyond_the_paper():
     table = pearl_branch(0.0, 10, 1, branch_options({"v": 1.34})).table()
     assert (table.n_unstable == 0).all()
@@ -157,40 +142,6 @@ def test_m_1_on_l_15_is_unstable_throughout():
     table = pearl_branch(0.48, 15, 1, branch_options({"v": 1.1})).table()
     assert table.lambda2.iloc[0] == pytest.approx(-0.4208, abs=5e-5)
     assert (table.n_unstable.iloc[1:] > 0).all()
-
-
-class Spectral(Curve):
-    """A curve with two made-up blocks of growth rates, whose zeros are known."""
-
-    own_block = "own"
-    conserved = "y"
-
-    def poles(self, u):
-        return {}
-
-    def spectrum(self, u):
-        blocks = {
-            Block(0, 0, 1, None): np.array([u[1] - 0.3, u[1] - 0.31, -1.0]),
-            Block(1, 0, 1, None): np.array([0.305 - u[1], -2.0]),
-        }
-        return Spectrum(blocks, 0.0, 0)
-
-    def block_rates(self, u, block, like):
-        return self.spectrum(u).rates[block]
-
-
-def test_several_special_points_in_one_step_are_all_found():
-    circle = Spectral(lambda x, y: x**2 + y**2 - 1, lambda x, y: np.array([2 * x, 2 * y]))
-    start = start_point(circle, np.array([math.cos(0.28), math.sin(0.28)]), np.array([-math.sin(0.28), math.cos(0.28)]))
-    options = BranchOptions(PathOptions(step=0.2), {"x": -0.5}, folds=("x", "y"))
-    branch = continue_branch(start, options)
-    bps = branch.find("bp")
-    heights = [branch.at(special).observables["y"] for special in bps]
-    assert heights[:3] == [pytest.approx(y, abs=1e-12) for y in (0.3, 0.305, 0.31)]
-    assert [special.change for special in bps[:3]] == [1, -2, 1]
-    assert branch.find("fold")[0].kind == "fold:y"
-    assert branch.at(branch.find("fold")[0]).observables["y"] == pytest.approx(1, abs=1e-9)
-    assert branch.points[-1].observables["x"] == pytest.approx(-0.5, abs=1e-12)
 
 
 def test_an_interrupted_branch_keeps_its_points():
@@ -307,24 +258,6 @@ def test_the_least_energy_shape_lies_on_the_continued_branch():
         assert problem.observables(u)[name] == pytest.approx(direct[name], abs=1e-9)
 
 
-def test_through_a_surface_of_constant_mean_curvature():
-    """c0 = 0.75, m = 2: multipliers pass through infinity near v = 0.9719, while shape, v and E stay smooth."""
-    branch = pearl_branch(0.75, 10, 2, branch_options(max_points=70))
-    (special,) = branch.find("cmc")
-    entry = branch.at(special)
-    assert entry.observables["v"] == pytest.approx(0.9719, abs=1e-4)
-    assert abs(entry.observables["lambda1"]) > 1e9
-    # An unduloid: the mean curvature is the same everywhere, and r cos psi - H r^2 is a first integral.
-    profile = entry.point.problem.profile(entry.point.u)
-    r, psi, h, _ = profile.states.values.T
-    assert np.ptp(h) < 1e-10
-    assert np.ptp(r * np.cos(psi) - h[0] * r**2) < 1e-10
-    after = branch.points[special.index + 1].observables
-    assert after["lambda1"] < 0 < branch.points[special.index - 1].observables["lambda1"]
-    assert after["E"] == pytest.approx(entry.observables["E"], abs=1e-3)
-    assert "n = 12" in branch.reason  # under large compression all short waves grow
-
-
 def test_a_spectrum_that_fails_ends_the_branch_and_keeps_its_points(monkeypatch):
     calls = 0
     spectrum = PearlProblem.spectrum
@@ -387,32 +320,6 @@ def test_a_branch_without_planes_of_reflection():
     assert -2 * (two["E"] - one["E"]) / (two["v"] - one["v"]) == pytest.approx(mean, rel=1e-4)
 
 
-def test_turning_points_of_c0_are_folds_and_no_branch_points():
-    here = pearl_branch(0.75, 10, 1, branch_options({"lambda2": -1.0}))
-    moved = varied(here, -1, "c0", branch_options(max_points=40), upwards=False)
-    (fold,) = moved.find("fold:c0")
-    assert moved.at(fold).observables["c0"] == pytest.approx(0.5843949, abs=1e-7)
-    # It runs into a branch of more symmetric shapes and ends there.
-    assert moved.kinds(len(moved.points) - 1) == ["bp", "end"]
-    assert "pitchfork" in moved.reason
-    with pytest.raises(InputError, match="^point: point 0 is the cylinder"):
-        varied(here, 0, "c0", branch_options())
-
-
-def test_at_given_pressure_stability_changes_where_lambda2_turns():
-    options = branch_options({"v": 1.06})
-    pressure = pearl_branch(-0.8, 25, 3, options, fixed="area")
-    volume = pearl_branch(-0.8, 25, 3, options)
-    (fold,) = pressure.find("fold:lambda2")
-    own = Block(0, 0, 3, "even")
-    before, after = (pressure.points[fold.index + i].spectrum.rates[own] for i in (-1, 1))
-    assert abs(int((after > 0).sum()) - int((before > 0).sum())) == 1
-    assert all(special.block != own for special in pressure.find("bp"))
-    # One more constraint takes away at most one unstable direction.
-    difference = pressure.table().n_unstable.iloc[-1] - volume.table().n_unstable.iloc[-1]
-    assert difference in (0, 1)
-
-
 def test_the_pitchfork_leads_back_to_the_equal_pearls(unequal):
     """Switching where the unequal pearls begin gives the branch of equal pearls, with the volume on it smooth."""
     equal = switched(unequal, 1, branch_options(max_points=4, step=0.01, max_step=0.02))
@@ -428,16 +335,6 @@ def test_radii_are_those_of_the_function_and_not_of_the_mesh(unequal):
         dense = states(np.linspace(0, 1, 20001))[:, 0]
         assert entry.observables["r_min"] == pytest.approx(dense.min(), abs=1e-7)
         assert entry.observables["r_max"] == pytest.approx(dense.max(), abs=1e-7)
-
-
-def test_folds_that_belong_together_are_one_point():
-    """``dE = -lambda2/2 dv``: energy and volume turn together, whatever the steps."""
-    for max_step in (0.05, 0.5):
-        branch = pearl_branch(0.75, 10, 1, branch_options({"lambda2": -4.0}, max_step=max_step))
-        for special in branch.find("fold:v"):
-            assert {"fold:v", "fold:E"} <= set(branch.kinds(special.index))
-        last = branch.at(branch.find("fold:v")[-1]).observables
-        assert last["lambda2"] == pytest.approx(-3.7122828, abs=5e-7)
 
 
 @pytest.mark.parametrize("which", ["localized", "unequal"])
@@ -470,16 +367,3 @@ def test_special_points_say_where_they_were_looked_for(four):
         low, high = special.interval
         assert low == 0 < high < 1
         assert special.converged
-
-
-def test_special_points_beside_a_nearly_neutral_mode_are_located():
-    """On L = 60 the branch at j = 3 of eight pearls turns twice, sharply: three discretizations agree on where."""
-    found = []
-    for degree, tolerance in ((5, 1e-8), (6, 1e-9)):
-        problem, u, tangent = pearling_onset(Tube(0.48, 60), 8, degree=degree, tolerance=tolerance)
-        pearls = continue_branch(start_point(problem, u, tangent), branch_options({"v": 1.008}), at_bifurcation=True)
-        beyond = switched(pearls, 3, branch_options(max_points=40))
-        assert all(special.converged for special in beyond.special)
-        found.append([beyond.at(special).observables["v"] for special in beyond.find("fold:v")])
-    assert found[0] == pytest.approx([1.119707819, 1.115454677], abs=2e-8)
-    assert found[1] == pytest.approx(found[0], abs=2e-8)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import struct
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
+from xml.etree.ElementTree import ParseError
 
 import meshio
 import numpy as np
@@ -14,6 +17,12 @@ from pearlbvp.errors import InputError
 from pearlbvp.files import writable, write_whole
 from pearlbvp.helfrich import positive
 from pearlbvp.mesh.periodic import Array, Integers, MeshError, PeriodicMesh
+
+BROKEN = (
+    meshio.ReadError, ParseError, OSError, EOFError, ValueError, LookupError, TypeError, AttributeError, AssertionError,
+    ArithmeticError, struct.error, zlib.error,
+)  # fmt: skip
+"""What the readers of meshio meet in a broken file; their words speak of their own inside."""
 
 FORMATS = {".vtu": "vtu", ".ply": "ply", ".obj": "obj"}
 
@@ -88,7 +97,7 @@ def read_mesh(path: str | os.PathLike[str], length: float) -> PeriodicMesh:
         raise InputError(f"mesh: {path} cannot be read as PLY (its header does not end); export it again")
     try:
         found = meshio._helpers.reader_map[kind](str(path))  # meshio.read() ends the program where a file is broken
-    except Exception:  # whatever its readers meet in a broken file; their words speak of their own inside
+    except BROKEN:
         raise InputError(
             f"mesh: {path} cannot be read as {kind.upper()}: it is broken or cut off; export it again"
         ) from None
