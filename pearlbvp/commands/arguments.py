@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from pearlbvp.errors import InputError
+from pearlbvp.units import Units
 
 
 class Numbers(click.ParamType):
@@ -35,6 +36,18 @@ class Number(click.ParamType):
 
 def _option(param: click.Parameter | None) -> str:
     return param.opts[0] if param is not None else "argument"
+
+
+class Radius(click.ParamType):
+    """The radius of the straight tube in the user's unit of length, which everything is converted by."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Units:
+        """Parse the text."""
+        from pearlbvp.helfrich import positive
+
+        return value if isinstance(value, Units) else Units(positive(_option(param), value), given=True)
 
 
 class Nodes(click.ParamType):

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from pearlbvp.figures.branch import draw_curve
 from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+from pearlbvp.units import RADII
 
 
 def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFrame | None, title: str = "") -> Figure:
@@ -32,8 +33,8 @@ def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFram
         near = computed[computed["v"].between(volumes.min(), volumes.max())]
         left.plot(near["v"], near["E"], ".", color="black", label="computed")
         right.plot(near["v"], near["lambda2"], ".", color="black")
-    dress(left, "reduced volume v", "energy by area E/A", title)
-    dress(right, "reduced volume v", "pressure lambda2", "dashed: unstable at fixed area and volume")
+    dress(left, RADII.axis_label("v"), RADII.axis_label("E"), title)
+    dress(right, RADII.axis_label("v"), RADII.axis_label("lambda2"), "dashed: unstable at fixed area and volume")
     left.legend(frameon=False, fontsize="small")
     return figure
 
@@ -48,16 +49,15 @@ def draw_map(table: pd.DataFrame, exchange: pd.DataFrame) -> Figure:
     figure, (left, right) = new_figure(1, 2, width=10.5, height=4.6)
     lower = table["lower_mode"] + np.where(table["lower_criticality"] == "subcritical", " sub", "")
     _draw_cells(left, table, lower)
-    dress(
-        left, "spontaneous curvature c0", "length L (radii)", "lower end: mode m:n that destabilizes (sub: subcritical)"
-    )
+    title = "lower end: mode m:n that destabilizes (sub: subcritical)"
+    dress(left, RADII.axis_label("c0"), RADII.axis_label("L"), title)
     upper = table["upper_mode"] + " " + table["stable"]
     _draw_cells(right, table, upper)
     visible = exchange[exchange["L"].between(table["L"].min(), table["L"].max())]
     right.plot(visible["c0"], visible["L"], "k.", markersize=3, label="coils and buckles (1,1) exchange stability")
     if len(visible):
         right.legend(fontsize="x-small", loc="upper left")
-    dress(right, "spontaneous curvature c0", "", "upper end: mode m:n, and the family stable at onset")
+    dress(right, RADII.axis_label("c0"), "", "upper end: mode m:n, and the family stable at onset")
     return figure
 
 

@@ -8,6 +8,8 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pearlbvp.units import Units
+
 COLOURS = ("#0b5394", "#c55a11", "#38761d", "#741b47", "#7f6000", "#444444", "#2a8c8c", "#c2487e")
 """Dark enough for print, distinct without colour vision in this order."""
 
@@ -40,6 +42,12 @@ def dress(axes: Axes, xlabel: str, ylabel: str, title: str = "") -> None:
         axes.set_title(title, fontsize="medium")
     axes.grid(True, alpha=0.25, linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
+
+
+def note_unit(figure: Figure, units: Units) -> None:
+    """What the unit of length on the axes is, in a corner, where that is not the tube's radius."""
+    if units.note():
+        figure.text(0.005, 0.008, units.note(), fontsize=7)
 
 
 def save_figure(figure: Figure, path: Path) -> None:

@@ -10,9 +10,10 @@ import pandas as pd
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit
 from pearlbvp.figures.surface import coordinates, show_surface
 from pearlbvp.flow.record import FlowState, Frame
+from pearlbvp.units import RADII, Units
 
 
 def draw_surface(axes: Any, frame: Frame, extent: float, along: int = 121, around: int = 37) -> None:
@@ -27,31 +28,31 @@ def _extent(frames: list[Frame]) -> float:
     )
 
 
-def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", unit: float = 1.0) -> Figure:
+def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", units: Units = RADII) -> Figure:
     """Energy, multipliers and velocity over time (logarithmic, from the first step on), and the first and last shape.
 
     Args:
         state: the flow's.
-        table: its rows, in any unit of length.
+        table: its rows.
         title: above the picture.
-        unit: of the table's times: what a time 1 of the state is there.
+        units: of the table.
     """
+    units = units.of_flow(state.problem.law)
+    time = units.axis_label("t")
     figure, axes = new_figure(2, 2, width=9.5, height=7.0)
     table = table[table["t"] > 0]
-    curves = (
-        (axes[0, 0], ("E",), "energy by area E/A"),
-        (axes[0, 1], ("lambda1", "lambda2"), "tension lambda1, pressure lambda2"),
-    )
+    multipliers = f"{units.axis_label('lambda1')},\n{units.axis_label('lambda2')}"
+    curves = ((axes[0, 0], ("E",), units.axis_label("E")), (axes[0, 1], ("lambda1", "lambda2"), multipliers))
     for place, names, label in curves:
         for name, colour in zip(names, COLOURS, strict=False):
             place.semilogx(table["t"], table[name], color=colour, linewidth=1.4, label=name)
-        dress(place, "time t", label, title if place is axes[0, 0] else "")
+        dress(place, time, label, title if place is axes[0, 0] else "")
     axes[0, 1].legend(frameon=False)
     styles = (("velocity", "largest velocity"), ("area_error", "error of area"), ("volume_error", "error of volume"))
     for (name, label), colour in zip(styles, COLOURS, strict=False):
         axes[1, 0].loglog(table["t"], table[name].abs().clip(lower=1e-17), color=colour, linewidth=1.2, label=label)
     axes[1, 0].legend(frameon=False, fontsize=8)
-    dress(axes[1, 0], "time t", "velocity, relative errors")
+    dress(axes[1, 0], time, f"{units.axis_label('velocity', 'velocity')}, relative errors")
     axes[1, 1].set_axis_off()
     frames = state.record.frames
     left, bottom, width, height = axes[1, 1].get_position().bounds
@@ -61,15 +62,17 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", unit: floa
             (left - 0.03, bottom + (1 - row) * height / 2, width + 0.06, height / 2), projection="3d"
         )
         draw_surface(place, frame, _extent(list(ends)))
-        place.set_title(f"t = {frame.t * unit:.4g}", fontsize=8, y=0.93)
+        place.set_title(f"t = {units.to_user('t', frame.t):.4g}", fontsize=8, y=0.93)
+    note_unit(figure, units)
     return figure
 
 
-def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, unit: float = 1.0) -> None:
+def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, units: Units = RADII) -> None:
     """The shapes on the way as a GIF; equal steps of energy and of the number of time steps share the frames.
 
-    Times written on them are those of the state times ``unit``.
+    Times are written on them in the user's unit.
     """
+    units = units.of_flow(state.problem.law)
     frames = state.record.frames
     chosen = [frames[i] for i in _evenly(state, min(count, len(frames)))]
     figure = Figure(figsize=(6.0, 3.2), dpi=90)
@@ -78,7 +81,7 @@ def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, u
 
     def show(index: int) -> list[Any]:
         draw_surface(axes, chosen[index], extent, 61, 25)
-        axes.set_title(f"t = {chosen[index].t * unit:.4g}", fontsize=9)
+        axes.set_title(f"t = {units.to_user('t', chosen[index].t):.4g}", fontsize=9)
         return [axes]
 
     FuncAnimation(figure, show, frames=len(chosen)).save(path, writer=PillowWriter(fps=rate))

@@ -7,12 +7,18 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
+from pearlbvp.figures.canvas import note_unit
 from pearlbvp.figures.surface import LIGHT
 from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.units import RADII, Units
 
 
 def draw_mesh(
-    surface: PeriodicMesh, values: NDArray[np.float64] | None = None, title: str = "", label: str = ""
+    surface: PeriodicMesh,
+    values: NDArray[np.float64] | None = None,
+    title: str = "",
+    label: str = "",
+    units: Units = RADII,
 ) -> Figure:
     """One period of a tube.
 
@@ -21,6 +27,7 @@ def draw_mesh(
         values: at the vertices, for the colours, shape (V,); by default the distance from the axis.
         title: above the picture.
         label: of the colours.
+        units: of the vertices.
     """
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
@@ -29,7 +36,7 @@ def draw_mesh(
 
     surface = surface.reduced()
     if values is None:
-        values, label = np.hypot(surface.vertices[:, 1], surface.vertices[:, 2]), "distance from the axis (radii)"
+        values, label = np.hypot(surface.vertices[:, 1], surface.vertices[:, 2]), units.axis_label("r")
     corners = surface.corners
     low, high = float(values.min()), float(values.max())
     if high - low < 1e-9 * abs(high):  # all alike: the colour in the middle
@@ -46,7 +53,8 @@ def draw_mesh(
     first, last = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     axes.set(xlim=(first[0], last[0]), ylim=(first[1], last[1]), zlim=(first[2], last[2]))
     axes.set_box_aspect(last - first, zoom=1.2)  # type: ignore[call-arg]
-    axes.set(xlabel="x", ylabel="y", zlabel="z")
+    axes.set(xlabel=units.axis_label("x", "x"), ylabel="y", zlabel="z")
+    note_unit(figure, units)
     axes.set_title(title, fontsize="medium", y=0.93)
     for axis in (axes.yaxis, axes.zaxis):  # type: ignore[attr-defined]
         axis.set_major_locator(MaxNLocator(3))

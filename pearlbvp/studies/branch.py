@@ -21,6 +21,7 @@ from pearlbvp.shapes.pearl import Centre, PearlProblem, pearling_onset
 from pearlbvp.stability.bloch import Fixed
 from pearlbvp.studies.ends import limit
 from pearlbvp.theory.dispersion import critical_lambda2
+from pearlbvp.units import Sentence
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
            "critical", "c0", "L", "mu_error"]  # fmt: skip
@@ -96,11 +97,11 @@ def pearl_branch(
     if m != int(m) or m < 1:
         raise InputError(f"mode: {m} pearls are none; give a whole number from 1 on")
     if not critical_lambda2(tube.wave_number(m), 0, tube.c0) ** 2 < 1e12:
-        raise InputError(f"mode: {m} pearls on L = {length:g} have k = 1 and branch off nowhere; change mode or length")
+        text = f"mode: {m} pearls on L = {{L:g}} have k = {{k:g}} and branch off nowhere; change mode or length"
+        raise InputError(Sentence(text, L=length, k=1.0))
     if length / m > LONGEST_PEARL:
-        raise InputError(
-            f"length: pearls of period {length / m:g} are longer than {LONGEST_PEARL:g} radii; take more of them"
-        )
+        text = f"length: pearls of period {{period:g}} are longer than {LONGEST_PEARL:g} radii; take more of them"
+        raise InputError(Sentence(text, period=length / m))
     if not 1e-13 <= tolerance <= 1e-3:
         raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3")
     problem, u, tangent = pearling_onset(tube, m, tolerance=tolerance)

@@ -25,6 +25,7 @@ from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
 from pearlbvp.stability.floquet import alternating_determinants, multipliers
 from pearlbvp.stability.spectrum import spectrum
 from pearlbvp.theory.dispersion import stable_interval
+from pearlbvp.units import Sentence
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -175,7 +176,7 @@ class PeriodicPearls:
                     "status": "failed",
                     "message": f"the pearls could not be followed far enough: {self.path.reason}",
                 }
-            return _no(f"the pearls stay stable until their necks are thinner than {THINNEST_NECK}")
+            return _no(f"the pearls stay stable until their necks are thinner than {THINNEST_NECK} radii")
         values = dict(zip(_FUNCTIONS, map(float, self.functions(np.array([x]))[0]), strict=True))
         values["amplitude"] = math.sqrt(max(values["amplitude_squared"], 0.0))
         return {"status": "found", **{name: values[name] for name in COLUMNS[5:10]}, "message": ""}
@@ -211,8 +212,11 @@ def check_period(period: float) -> float:
     period = positive("period", period)
     if period <= 2 * math.pi:
         raise InputError(
-            f"period: {period:g} is not above 2 pi = 6.283 radii (k >= 1), and such pearls end no stable interval "
-            "from below; take a longer period"
+            Sentence(
+                "period: {period:g} is not above 2 pi = 6.283 radii (a wave number of 1/radius or more), and such pearls end "
+                "no stable interval from below; take a longer period",
+                period=period,
+            )
         )
     return period
 
@@ -263,10 +267,8 @@ def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[
         tube = Tube(c0, length)
         pearls = round(tube.length / period)
         if pearls < 1 or abs(tube.length - pearls * period) > 1e-9 * tube.length:
-            near = max(pearls, 1) * period
-            raise InputError(
-                f"lengths: {length:g} radii is no multiple of the period {period:g}; the nearest is {near:.12g}"
-            )
+            text = "lengths: {L:g} is no multiple of the period {period:g}; the nearest is {length:.12g}"
+            raise InputError(Sentence(text, L=length, period=period, length=max(pearls, 1) * period))
         cases.append((tube, pearls, onset_status(tube, pearls)))
     wanted = [pearls for _, pearls, status in cases if status is None and pearls > 1]
     failure, curve = "", None

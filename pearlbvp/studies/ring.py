@@ -22,6 +22,7 @@ from pearlbvp.studies.ends import RESOLVED
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.tube.symmetry import ODD_PHI, ring_symmetry
+from pearlbvp.units import Sentence
 
 CONTACT = "the ring touches itself; beyond, it would pass through itself"
 TOUCHING = 1e-9
@@ -59,9 +60,8 @@ def ring_branch(
         raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3")
     problem, u, tangent = ring_onset(tube, n, tolerance=tolerance, fixed=fixed)
     if PlanarVariation.of(problem.profile(u)).most_waves(tube.length) > MOST_WAVES:
-        raise InputError(
-            f"length: more than {MOST_WAVES} waves along L = {tube.length:g} may grow; take a shorter tube"
-        )
+        text = f"length: more than {MOST_WAVES} waves along L = {{L:g}} may grow; take a shorter tube"
+        raise InputError(Sentence(text, L=tube.length))
     return _to_contact(start_point(problem, u, tangent), options or branch_options(), at_bifurcation=True)
 
 
@@ -160,7 +160,8 @@ def _limit(point: BranchPoint[RingProblem]) -> str | None:
     if not point.spectrum.complete:
         return f"more than {MOST_WAVES} waves along the tube may grow; take a shorter tube"
     if point.spectrum.residual > RESOLVED:
-        return f"its spectrum is known to {point.spectrum.residual:.0e} only; take a smaller tolerance"
+        text = "its spectrum is known to {rate:.0e} only; take a smaller tolerance"
+        return Sentence(text, rate=point.spectrum.residual)
     return None
 
 
