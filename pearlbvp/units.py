@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 Value = TypeVar("Value")
 """A number or an array of them."""
 
+Parts = tuple[tuple[str, Mapping[str, Any]], ...]
+"""Texts, each with the values of its fields."""
+
 Surface = TypeVar("Surface")
 """A triangulated surface: a dataclass with ``vertices`` and ``length``."""
 
@@ -177,15 +180,17 @@ class Units:
 
     def said(self, text: str) -> str:
         """A sentence in the user's unit; one without such numbers stays."""
-        if not isinstance(text, Sentence):
-            return text
-        return "".join(
-            words.format(**{name: self._told(name, value) for name, value in values.items()}) if values else words
-            for words, values in text.parts
-        )
+        return self.told(text.parts) if isinstance(text, Sentence) else text
 
-    def _told(self, name: str, value: Any) -> Any:
-        return value if isinstance(value, str) else self.to_user(name, value)
+    def told(self, parts: Parts) -> str:
+        """The text of a sentence's parts."""
+        return "".join(words.format(**self._fields(values)) if values else words for words, values in parts)
+
+    def _fields(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        numbers = {
+            name: value if isinstance(value, str) else self.to_user(name, value) for name, value in values.items()
+        }
+        return numbers | {f"{name}_unit": self.unit(name) for name in values if name in QUANTITIES}
 
 
 RADII = Units()
@@ -199,10 +204,10 @@ class Sentence(str):
         parts: texts with fields of ``str.format``, and the values of the fields by the names of their quantities.
     """
 
-    parts: tuple[tuple[str, Mapping[str, Any]], ...]
+    parts: Parts
 
     def __new__(cls, text: str, /, **values: Any) -> Sentence:
-        """From a text like ``a neck of {r:.2g}`` and what its fields hold: quantities of ``QUANTITIES``, or words."""
+        """From a text like ``a neck of {r:.2g} {r_unit}`` and what its fields hold: quantities of ``QUANTITIES``, or words."""
         return cls._of(((text, values),))
 
     @classmethod
@@ -213,9 +218,8 @@ class Sentence(str):
         )
 
     @classmethod
-    def _of(cls, parts: tuple[tuple[str, Mapping[str, Any]], ...]) -> Sentence:
-        plain = "".join(words.format(**values) if values else words for words, values in parts)
-        sentence = super().__new__(cls, plain)
+    def _of(cls, parts: Parts) -> Sentence:
+        sentence = super().__new__(cls, RADII.told(parts))
         sentence.parts = parts
         return sentence
 

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from pearlbvp.errors import InputError
-from pearlbvp.units import Units
+from pearlbvp.units import Sentence, Units
 
 
 class Numbers(click.ParamType):
@@ -76,10 +76,11 @@ def check_meshable(length: float) -> None:
     from pearlbvp.mesh.families import MOST_NODES, fewest
 
     if (needed := fewest(length)) > MOST_NODES:
-        raise InputError(
-            f"--length: {length:g} radii are too long for a mesh, which would need {needed} nodes, of which {MOST_NODES} fit "
+        text = (
+            f"--length: {{L:g}} {{L_unit}} are too long for a mesh, which would need {needed} nodes, of which {MOST_NODES} fit "
             "in memory; give a shorter tube"
         )
+        raise InputError(Sentence(text, L=length))
 
 
 class Until(click.ParamType):

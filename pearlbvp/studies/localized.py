@@ -267,7 +267,7 @@ def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[
         tube = Tube(c0, length)
         pearls = round(tube.length / period)
         if pearls < 1 or abs(tube.length - pearls * period) > 1e-9 * tube.length:
-            text = "lengths: {L:g} is no multiple of the period {period:g}; the nearest is {length:.12g}"
+            text = "lengths: {L:g} {L_unit} is no multiple of the period {period:g}; the nearest is {length:.12g}"
             raise InputError(Sentence(text, L=length, period=period, length=max(pearls, 1) * period))
         cases.append((tube, pearls, onset_status(tube, pearls)))
     wanted = [pearls for _, pearls, status in cases if status is None and pearls > 1]

@@ -33,7 +33,7 @@ def sample(family: str, c0: float, length: float, name: str) -> tuple[str, float
     known = SAMPLES.get((family, c0, length, name))
     if known is None:
         names = ", ".join(f"{key[3]} ({key[0]}, c0 = {key[1]:g}, L = {key[2]:g} radii)" for key in SAMPLES)
-        where = Sentence("at c0 = {c0:.6g}, L = {L:.6g}", c0=c0, L=length)
+        where = Sentence("at c0 = {c0:.6g}, L = {L:.6g} {L_unit}", c0=c0, L=length)
         what = "; give NAME=VALUE, like v=1.02, a number on a saved branch, or a sample of the paper: "
         raise InputError(Sentence.joined(f"point: {name!r} is no point of a {family} branch ", where, what, names))
     return known
