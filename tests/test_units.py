@@ -344,3 +344,14 @@ def test_what_is_written_is_read_back_as_it_was(name):
 def test_a_column_whose_dimension_nobody_said_is_not_written():
     with pytest.raises(KeyError, match="new"):
         Units(R).columns(pd.DataFrame({"v": [1.0], "new": [2.0]}))
+
+
+def test_the_growth_rate_to_all_perturbations_is_that_of_the_flow_s_own_discretization(capsys, saved, tmp_path):
+    """The shape has less area than the tube: its rates come from a similar shape of a branch, and from the flow itself."""
+    out = tmp_path / "f.csv"
+    status, _, err = run(capsys, "flow", "--from", saved, "--point", 3, "--delta", 0.15 * R, "--xi", 0.1 / R**2, "--out", out,
+                         "--radius", R)  # fmt: skip
+    assert status == 0, err
+    own, whole = (float(err.split(words)[1].split()[0]) for words in ("the largest growth rate is ", "mu_crit = "))
+    assert pd.read_csv(out)["area"].iloc[-1] < 0.95
+    assert whole == pytest.approx(own, rel=5e-3)
