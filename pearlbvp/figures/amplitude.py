@@ -11,10 +11,11 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.branch import draw_curve
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure, own_style
 from pearlbvp.units import RADII
 
 
+@own_style()
 def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFrame | None, title: str = "") -> Figure:
     """Energy and pressure over the volume: predicted branches as lines, a computed one as points.
 
@@ -39,6 +40,7 @@ def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFram
     return figure
 
 
+@own_style()
 def draw_map(table: pd.DataFrame, exchange: pd.DataFrame) -> Figure:
     """Which mode destabilizes the tube over ``c0`` and ``L``, at the lower and the upper end of its stable interval.
 

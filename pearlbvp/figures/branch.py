@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pearlbvp.continuation.branch import Branch, BranchPoint
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
 from pearlbvp.figures.surface import along, place_surfaces
 from pearlbvp.units import RADII, Units
 
@@ -87,6 +87,7 @@ def _curve_colour(entry: BranchPoint[Any]) -> str:
     return COLOURS[0] if entry.spectrum.n_unstable == 0 else COLOURS[1]
 
 
+@own_style()
 def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "", units: Units = RADII) -> Figure:
     """Energy and pressure over the reduced volume, the two multipliers, and shapes.
 

@@ -6,10 +6,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.branch import draw_curve
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 
+@own_style()
 def draw_diagram(table: pd.DataFrame, title: str = "", units: Units = RADII) -> Figure:
     """Energy and pressure over the volume for every branch of a diagram's table, unstable parts dashed.
 

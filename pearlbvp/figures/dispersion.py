@@ -6,10 +6,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 
+@own_style()
 def draw_dispersion(table: pd.DataFrame, curves: pd.DataFrame, title: str, units: Units = RADII) -> Figure:
     """Instability curves over the wave number with the tube's own modes, and the stable interval shaded.
 

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit
+from pearlbvp.figures.canvas import COLOURS, dress, new_blank, new_figure, note_unit, own_style, pixels, save_movie
 from pearlbvp.figures.surface import coordinates, show_surface
 from pearlbvp.flow.record import FlowState, Frame
 from pearlbvp.units import RADII, Units
@@ -28,6 +27,7 @@ def _extent(frames: list[Frame]) -> float:
     )
 
 
+@own_style()
 def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", units: Units = RADII) -> Figure:
     """Energy, multipliers and velocity over time (logarithmic, from the first step on), and the first and last shape.
 
@@ -67,6 +67,7 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", units: Uni
     return figure
 
 
+@own_style()
 def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, units: Units = RADII) -> None:
     """The shapes on the way as a GIF; equal steps of energy and of the number of time steps share the frames.
 
@@ -75,16 +76,16 @@ def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, u
     units = units.of_flow(state.problem.law)
     frames = state.record.frames
     chosen = [frames[i] for i in _evenly(state, min(count, len(frames)))]
-    figure = Figure(figsize=(6.0, 3.2), dpi=90)
+    figure = new_blank(6.0, 3.2, dpi=90)
     axes = figure.add_axes((0, 0, 1, 0.92), projection="3d")
     extent = _extent(chosen)
 
-    def show(index: int) -> list[Any]:
-        draw_surface(axes, chosen[index], extent, 61, 25)
-        axes.set_title(f"t = {units.to_user('t', chosen[index].t):.4g}", fontsize=9)
-        return [axes]
-
-    FuncAnimation(figure, show, frames=len(chosen)).save(path, writer=PillowWriter(fps=rate))
+    images = []
+    for frame in chosen:
+        draw_surface(axes, frame, extent, 61, 25)
+        axes.set_title(f"t = {units.to_user('t', frame.t):.4g}", fontsize=9)
+        images.append(pixels(figure))
+    save_movie(images, path, rate)
 
 
 def _evenly(state: FlowState, count: int) -> list[int]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 
+@own_style()
 def draw_localized(table: pd.DataFrame, units: Units = RADII) -> Figure:
     """Reduced volume and ``lambda2`` of the branch points against ``L``; columns named ``v_...`` are drawn beside.
 

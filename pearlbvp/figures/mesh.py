@@ -7,12 +7,13 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
-from pearlbvp.figures.canvas import note_unit
+from pearlbvp.figures.canvas import new_blank, note_unit, own_style
 from pearlbvp.figures.surface import LIGHT
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.units import RADII, Units
 
 
+@own_style()
 def draw_mesh(
     surface: PeriodicMesh,
     values: NDArray[np.float64] | None = None,
@@ -43,7 +44,7 @@ def draw_mesh(
         low, high = 0.9 * low, 1.1 * high
     colours = ScalarMappable(Normalize(low, high), colormaps["viridis"])
     faces = colours.to_rgba(values[surface.triangles].mean(axis=1))
-    figure = Figure(figsize=(7.5, 4.2), dpi=130)
+    figure = new_blank(7.5, 4.2)
     axes = figure.add_axes((0.0, 0.0, 0.86, 0.95), projection="3d")
     axes.add_collection3d(  # type: ignore[attr-defined]
         Poly3DCollection(

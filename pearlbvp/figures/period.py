@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 
@@ -16,6 +16,7 @@ def _plot_by_pearls(axes: Axes, rows: pd.DataFrame, column: str, colour: str, la
         axes.plot(same["L"], same[column], ".-", color=colour, markersize=3, label=label if i == 0 else None)
 
 
+@own_style()
 def draw_periods(table: pd.DataFrame, units: Units = RADII) -> Figure:
     """Pearl period, stable interval of ``lambda2`` and onset of the localized pearl against ``L``, a colour a ``c0``.
 

@@ -12,7 +12,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchPoint
-from pearlbvp.figures.canvas import new_blank
+from pearlbvp.figures.canvas import new_blank, own_style
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.sections import one_period
 
@@ -108,6 +108,7 @@ def colour_of(point: BranchPoint[Any]) -> str:
     return STABLE if point.spectrum.n_unstable == 0 else UNSTABLE
 
 
+@own_style()
 def draw_surfaces(points: Sequence[BranchPoint[Any]], titles: Sequence[str] = (), columns: int = 4) -> Figure:
     """Solutions beside one another, stable ones blue, unstable ones brown, all to one scale.
 
