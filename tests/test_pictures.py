@@ -1,15 +1,21 @@
 """Pictures are the same whatever surrounds them: settings of matplotlib, backends, folders, ways of saving."""
 
+import itertools
 import os
 import subprocess
 import sys
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 import pytest
 from commands import run
 from cycler import cycler
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
 from PIL import Image
+
+from pearlbvp.figures import canvas
 
 ROOT = Path(__file__).parents[1]
 
@@ -49,9 +55,6 @@ def pictures(capsys, saved, folder):
         "dispersion.svg": ("dispersion", "--c0", 0.48, "--length", 30),
         "noending": ("dispersion", "--c0", 0.48, "--length", 30),
         "period.jpg": ("period", "--c0", 0.48, "--lengths", "15,22.5"),
-        "region.png": ("region", "--c0", 0.48, "--periods", "7,7.5", "--pearls", 2),
-        "map.png": ("amplitude-map", "--c0", "0,0.3", "--lengths", "10,15"),
-        "amplitude.png": ("amplitude", "--c0", 0, "--length", 10, "--mode", "1,1"),
         "pearl.png": ("branch", "pearl", "--resume", saved / "pearl.h5", *resumed),
         "coil.png": ("branch", "coil", "--resume", saved / "coil.h5", *resumed),
         "mesh.png": ("mesh", "--from", saved / "coil.h5", "--nodes", 300),
@@ -62,12 +65,74 @@ def pictures(capsys, saved, folder):
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.suffix != ".csv"}
 
 
+def words_of(figure):
+    """All words and numbers that are to be seen in a figure, each with its box in pixels."""
+    FigureCanvasAgg(figure).draw()
+    ticks = {}
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()):
+                seen = low - 1e-9 * abs(low) <= tick.get_loc() <= high + 1e-9 * abs(high)
+                ticks |= {
+                    id(label): seen and axis.get_visible() and axes.axison for label in (tick.label1, tick.label2)
+                }
+    shown = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
+    return [(text.get_text(), text.get_window_extent()) for text in shown if ticks.get(id(text), True)]
+
+
+def content(path):
+    """Height and width of what is not white in a picture."""
+    with Image.open(path) as image:
+        found = np.argwhere((np.asarray(image.convert("RGB")) < 250).any(axis=2))
+    return np.ptp(found, axis=0) + 1
+
+
+LAYOUTS = {
+    "dispersion": ("dispersion", "--c0", 9.6, "--length", 1.5, "--radius", 0.05),
+    "localized": ("localized", "--c0", 0.48, "--period", 7.5, "--lengths", "15,30,45", "--compare",
+                  ROOT / "data" / "paper_localized.csv"),
+    "period": ("period", "--c0", 480, "--lengths", "0.015,0.0225", "--radius", 0.001),
+    "region": ("region", "--c0", 0.48, "--periods", "7,7.5", "--pearls", "2,3"),
+    "map": ("amplitude-map", "--c0=-1:0.48:0.04", "--lengths", "6.5:40:0.5"),
+    "amplitude": ("amplitude", "--c0", 0.48, "--length", 10, "--mode", "1,1"),
+    "pearls": ("branch", "pearl", "--c0", 0, "--length", 10, "--max-points", 12),
+    "long pearls": ("branch", "pearl", "--c0", 0.00048, "--length", 75000, "--radius", 1000, "--mode", "10,0",
+                    "--max-points", 4),
+    "ring": ("branch", "ring", "--c0=-1", "--length", 10, "--max-points", 8),
+    "coil": ("branch", "coil", "--c0", 0, "--length", 10, "--until", "v=0.9"),
+    "short coil": ("branch", "coil", "--c0", 0, "--length", 2, "--max-points", 3),
+    "mesh": ("mesh", "--length", 10, "--nodes", 300),
+    "long mesh": ("mesh", "--length", 200, "--nodes", 4000),
+    "short mesh": ("mesh", "--length", 0.1, "--radius", 0.05, "--nodes", 300),
+    "flow": ("flow", "--c0", 9.6, "--length", 0.75, "--radius", 0.05, "--mode", "2,0", "--point", "v=1.002", "--delta",
+             -0.002, "--time", 1e-7),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_nothing_is_cut_off_and_no_words_overlap_however_a_figure_is_saved(capsys, tmp_path, monkeypatch, name):
+    figures = []
+    monkeypatch.setattr(canvas, "save_figure", lambda figure, path: (figures.append(figure), path.write_bytes(b"")))
+    status, _, err = run(capsys, *LAYOUTS[name], "--plot", tmp_path / "p.png")
+    assert status == 0, err
+    (figure,) = figures
+    words = words_of(figure)
+    width, height = figure.get_size_inches() * figure.dpi
+    assert [text for text, box in words if min(box.x0, box.y0, width - box.x1, height - box.y1) < 0] == []
+    shrunk = [(text, box.padded(-1.5)) for text, box in words]
+    assert [(one, other) for (one, a), (other, b) in itertools.combinations(shrunk, 2) if a.overlaps(b)] == []
+    figure.savefig(tmp_path / "whole.png")
+    figure.savefig(tmp_path / "tight.png", bbox_inches="tight")
+    np.testing.assert_allclose(content(tmp_path / "whole.png"), content(tmp_path / "tight.png"), atol=2)
+
+
 def test_settings_of_a_session_change_no_byte_of_a_picture_or_movie(capsys, saved, tmp_path):
     plain = pictures(capsys, saved, tmp_path / "plain")
     with matplotlib.rc_context(HOSTILE):
         hostile = pictures(capsys, saved, tmp_path / "hostile")
         assert matplotlib.rcParams["text.usetex"]  # the session keeps its own
-    assert len(plain) == 13
+    assert len(plain) == 10
     assert [name for name in plain if plain[name] != hostile[name]] == []
     with Image.open(tmp_path / "plain" / "f.gif") as movie:
         assert movie.size == (540, 288)

@@ -11,7 +11,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.branch import draw_curve
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, own_style
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, own_style
 from pearlbvp.units import RADII
 
 
@@ -36,7 +36,7 @@ def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFram
         right.plot(near["v"], near["lambda2"], ".", color="black")
     dress(left, RADII.axis_label("v"), RADII.axis_label("E"), title)
     dress(right, RADII.axis_label("v"), RADII.axis_label("lambda2"), "dashed: unstable at fixed area and volume")
-    left.legend(frameon=False, fontsize="small")
+    add_legend(left, fontsize="small")
     return figure
 
 
@@ -56,11 +56,18 @@ def draw_map(table: pd.DataFrame, exchange: pd.DataFrame) -> Figure:
     upper = table["upper_mode"] + " " + table["stable"]
     _draw_cells(right, table, upper)
     visible = exchange[exchange["L"].between(table["L"].min(), table["L"].max())]
-    right.plot(visible["c0"], visible["L"], "k.", markersize=3, label="coils and buckles (1,1) exchange stability")
-    if len(visible):
-        right.legend(fontsize="x-small", loc="upper left")
-    dress(right, RADII.axis_label("c0"), "", "upper end: mode m:n, and the family stable at onset")
+    right.plot(visible["c0"], visible["L"], "k.", markersize=3)
+    dress(
+        right,
+        RADII.axis_label("c0"),
+        "",
+        "upper end: mode m:n, and the family stable at onset\ndots: coils and buckles (1,1) exchange stability",
+    )
     return figure
+
+
+PAPER = {"facecolor": "white", "alpha": 0.6, "linewidth": 0, "pad": 1}
+"""What words are written on."""
 
 
 def _draw_cells(axes: Axes, table: pd.DataFrame, words: pd.Series) -> None:
@@ -96,4 +103,4 @@ def _draw_cells(axes: Axes, table: pd.DataFrame, words: pd.Series) -> None:
         if len(part) > 0.004 * len(grid):
             off = sum((part[q] - part[q].median()).abs() / max(np.ptp(grid[q]), 1e-9) for q in ("c0", "L"))
             middle = part.loc[off.idxmin()]
-            axes.text(middle["c0"], middle["L"], name, ha="center", va="center", fontsize=7)
+            axes.text(middle["c0"], middle["L"], name, ha="center", va="center", fontsize=7, bbox=PAPER)

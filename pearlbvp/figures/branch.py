@@ -66,8 +66,19 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = 
             axes.plot(x, side * r - place * height, color=colour, linewidth=1.2)
         label = f"point {index}: v = {point.observables['v']:.4f}"
         axes.text(x[-1] / 2, -(place + 0.5) * height, label, ha="center", va="center", fontsize=8)
-    axes.set_aspect("equal", adjustable="datalim")
+    _to_scale(axes)
     axes.set_yticks([])
+
+
+def _to_scale(axes: Axes) -> None:
+    """One scale along and across, unless that would leave nothing to see."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    if 1 / STRETCHED < (right - left) / (high - low) < STRETCHED:
+        axes.set_aspect("equal", adjustable="datalim")
+
+
+STRETCHED = 4.0
+"""Ratio of the sides of a picture beyond which it is not drawn to scale."""
 
 
 def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> None:
@@ -111,14 +122,15 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "", units
         points = along(branch)
         titles = [f"v = {point.observables['v']:.4f}" for point in points]
         place_surfaces(figure, (0.53, 0.02, 0.46, 0.42), points, titles, (2, 2))
-        figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize="medium")
+        figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize=9)
     elif problem.stored_as == "ring":
         draw_sections(axes[1, 1], branch, units=units)
         beside = units.axis_label("y", "shapes beside one another, y")
         dress(axes[1, 1], beside, "", "sections: stable blue, unstable brown")
     else:
         draw_shapes(axes[1, 1], branch, units=units)
-        dress(axes[1, 1], units.axis_label("x"), "", "shapes: stable blue, unstable brown")
-    axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize="medium")
+        scale = "" if axes[1, 1].get_aspect() == 1 else ", not to scale"
+        dress(axes[1, 1], units.axis_label("x"), "", f"shapes: stable blue, unstable brown{scale}")
+    axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize=9)
     note_unit(figure, units)
     return figure

@@ -34,6 +34,9 @@ OWN: dict[Any, Any] = {"svg.hashsalt": "pearlbvp"}
 CANVASES = {"pdf": ("pdf", "Pdf"), "svg": ("svg", "SVG"), "eps": ("ps", "PS"), "ps": ("ps", "PS")}
 """Backend and canvas of formats that are no images; all others are drawn by Agg."""
 
+WIDEST_NUMBER = 0.7
+"""Room for a number on the horizontal axis, in inches."""
+
 UNDATED = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
 """Metadata without the time, so that the same picture is the same file."""
 
@@ -71,19 +74,30 @@ def new_blank(width: float, height: float, dpi: float = DPI) -> Figure:
 
 
 def dress(axes: Axes, xlabel: str, ylabel: str, title: str = "") -> None:
-    """Labels, a light grid and no box."""
+    """Labels, a light grid and no box, whole numbers along the axes, and no more of them than there is room for."""
     axes.set_xlabel(xlabel)
     axes.set_ylabel(ylabel)
     if title:
-        axes.set_title(title, fontsize="medium")
+        axes.set_title(title, fontsize=9)
+    if axes.get_xscale() == "linear":
+        width = axes.get_position().width * axes.figure.get_figwidth()  # type: ignore[union-attr]
+        axes.locator_params(axis="x", nbins=max(3, int(width / WIDEST_NUMBER)))
+    for name, scale in (("x", axes.get_xscale()), ("y", axes.get_yscale())):
+        if scale == "linear":
+            axes.ticklabel_format(axis=name, useOffset=False)  # type: ignore[arg-type]
     axes.grid(True, alpha=0.25, linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
 
 
+def add_legend(axes: Axes, **options: Any) -> None:
+    """A legend where it hides least, and through which lines do not run."""
+    axes.legend(framealpha=0.8, edgecolor="none", **options)
+
+
 def note_unit(figure: Figure, units: Units) -> None:
-    """What the unit of length on the axes is, in a corner, where that is not the tube's radius."""
+    """What the unit of length on the axes is, along the right edge, where that is not the tube's radius."""
     if units.note():
-        figure.text(0.005, 0.008, units.note(), fontsize=7)
+        figure.text(0.998, 0.92, units.note(), fontsize=7, rotation="vertical", ha="right", va="top")
 
 
 @own_style()

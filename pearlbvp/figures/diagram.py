@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.branch import draw_curve
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 
@@ -22,7 +22,7 @@ def draw_diagram(table: pd.DataFrame, title: str = "", units: Units = RADII) -> 
     figure, (left, right) = new_figure(1, 2, width=9.5)
     for i, (name, rows) in enumerate(table.groupby("branch", sort=False)):
         colour = COLOURS[i % len(COLOURS)]
-        draw_curve(left, rows, "v", "E", colour, str(name))
+        draw_curve(left, rows, "v", "E", colour, f"pearls {name}" if str(name)[:1].isdigit() else str(name))
         draw_curve(right, rows, "v", "lambda2", colour)
     dress(left, units.axis_label("v"), units.axis_label("E"), title)
     dress(
@@ -32,5 +32,5 @@ def draw_diagram(table: pd.DataFrame, title: str = "", units: Units = RADII) -> 
         "dashed: unstable; circles: branch points; crosses: folds",
     )
     note_unit(figure, units)
-    left.legend(frameon=False, fontsize="small")
+    add_legend(left, fontsize="small")
     return figure

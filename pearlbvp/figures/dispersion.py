@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 
@@ -40,5 +40,5 @@ def draw_dispersion(table: pd.DataFrame, curves: pd.DataFrame, title: str, units
     neutral = units.axis_label("lambda2", "lambda2 at which the mode is neutral")
     dress(axes, units.axis_label("k"), neutral, title)
     note_unit(figure, units)
-    axes.legend(frameon=False, fontsize="small")
+    add_legend(axes, fontsize="small")
     return figure

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 
@@ -33,9 +33,8 @@ def draw_localized(table: pd.DataFrame, units: Units = RADII) -> Figure:
     dress(right, along, pressure, "localized single pearl")
     note_unit(figure, units)
     for axes in (left, right):
-        axes.ticklabel_format(useOffset=False)
         if found.empty:
             axes.text(0.5, 0.5, "no branch point found", transform=axes.transAxes, ha="center")
     if others and not found.empty:
-        left.legend(frameon=False)
+        add_legend(left)
     return figure

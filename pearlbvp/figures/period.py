@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 
@@ -38,7 +38,6 @@ def draw_periods(table: pd.DataFrame, units: Units = RADII) -> Figure:
     dress(middle, "", interval, "stable range of the straight tube")
     dress(bottom, units.axis_label("L", "tube length L"), "reduced volume v", "where the localized pearl branches off")
     note_unit(figure, units)
-    bottom.ticklabel_format(useOffset=False)
     if top.get_legend_handles_labels()[0]:
-        top.legend(frameon=False)
+        add_legend(top)
     return figure

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 
@@ -27,7 +27,6 @@ def draw_region(table: pd.DataFrame, units: Units = RADII) -> Figure:
     along = units.axis_label("period", "period of the pearls")
     dress(axes, along, "reduced volume v", f"c0 = {table['c0'].iloc[0]:g}: pearls stable below")
     note_unit(figure, units)
-    axes.ticklabel_format(useOffset=False)
     if not found.empty:
-        axes.legend(frameon=False)
+        add_legend(axes)
     return figure
