@@ -190,7 +190,12 @@ class Units:
         numbers = {
             name: value if isinstance(value, str) else self.to_user(name, value) for name, value in values.items()
         }
-        return numbers | {f"{name}_unit": self.unit(name) for name in values if name in QUANTITIES}
+        option = f" --radius {self.radius:.12g}" if self.given else ""
+        return (
+            numbers
+            | {f"{name}_unit": self.unit(name) for name in values if name in QUANTITIES}
+            | {"radius_option": option}
+        )
 
 
 RADII = Units()
@@ -207,7 +212,10 @@ class Sentence(str):
     parts: Parts
 
     def __new__(cls, text: str, /, **values: Any) -> Sentence:
-        """From a text like ``a neck of {r:.2g} {r_unit}`` and what its fields hold: quantities of ``QUANTITIES``, or words."""
+        """From a text like ``a neck of {r:.2g} {r_unit}`` and what its fields hold: quantities of ``QUANTITIES``, or words.
+
+        ``{radius_option}`` is what a command needs that repeats such numbers.
+        """
         return cls._of(((text, values),))
 
     @classmethod

@@ -317,10 +317,26 @@ def switched(
     """
     special = numbered(branch, number)
     if special.block.n != 0:
-        raise InputError(
-            f"switch: at branch point {number} shapes with n = {special.block.n} branch off, which are no pearls"
-        )
+        what = f"switch: at branch point {number} shapes with n = {special.block.n} branch off, which are no pearls"
+        raise InputError(Sentence.joined(what, _on_a_mesh(branch, special)))
     return switch(branch, special, options, centre=centre, grow=grow)
+
+
+def _on_a_mesh(branch: Branch[PearlProblem], special: SpecialPoint[Any]) -> str:
+    """How shapes that are not axisymmetric are followed: from the same pearls on a triangulated tube."""
+    place, start = branch.at(special).point.observables, branch.points[0].point
+    if start.observables["amplitude"] > 1e-6:
+        return (
+            "; a mesh may follow them, in Python: studies.mesh.branch_from(*meshed(branch.points[k], 1000), options) "
+            "goes on from these pearls, and mesh_switched leaves it"
+        )
+    pearls = round(place["L"] / start.problem.profile(start.u).period)
+    return Sentence(
+        "; a mesh may follow them: pearlbvp branch pearl --c0 {c0:.12g} --length {L:.12g}{radius_option} "
+        f"--mode {pearls},0 --nodes 1000 --save FILE.h5, then --resume FILE.h5 --switch the branch point that is there near "
+        "lambda2 = {lambda2:.4g}, v = {v:.6g}",
+        **{name: place[name] for name in ("c0", "L", "lambda2", "v")},
+    )
 
 
 def numbered(branch: Branch[Any], number: int) -> SpecialPoint[Any]:
