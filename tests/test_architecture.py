@@ -62,3 +62,15 @@ def test_the_flow_s_driver_knows_no_discretization():
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("pearlbvp."):
                 assert node.module.split(".")[-1] in allowed, name
+
+
+def test_lengths_are_converted_in_one_place():
+    """Whoever else asks a tube's radius in the user's unit, or raises it to a power, converts by hand."""
+    asking = {
+        path.name
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if (isinstance(node, ast.Attribute) and node.attr == "radius")
+        or (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and "radius" in ast.unparse(node.left))
+    }
+    assert asking == {"units.py"}
