@@ -53,10 +53,10 @@ def _of_shapes(problem: Any) -> Any:
     return getattr(problem, "base", problem)
 
 
-def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> None:
-    """Outlines of some shapes along a branch, one period each, above one another."""
+def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> bool:
+    """Outlines of some shapes along a branch, one period each, above one another; whether they are drawn to scale."""
     chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
-    height = 2.5 * units.to_user("r_max", max(branch.points[i].observables["r_max"] for i in chosen))
+    height = 3.0 * units.to_user("r_max", max(branch.points[i].observables["r_max"] for i in chosen))
     for place, index in enumerate(chosen):
         point = branch.points[index].point
         profile = _of_shapes(point.problem).profile(point.u)
@@ -64,21 +64,30 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = 
         colour = _curve_colour(branch.points[index])
         for side in (1, -1):
             axes.plot(x, side * r - place * height, color=colour, linewidth=1.2)
+        axes.fill_between(x, r - place * height, -r - place * height, color=colour, alpha=0.12, linewidth=0)
         label = f"point {index}: v = {point.observables['v']:.4f}"
-        axes.text(x[-1] / 2, -(place + 0.5) * height, label, ha="center", va="center", fontsize=8)
-    _to_scale(axes)
+        axes.text(x[-1] / 2, -(place + 0.48) * height, label, ha="center", va="center", fontsize=8)
     axes.set_yticks([])
+    return _to_scale(axes, -(len(chosen) - 0.3) * height)
 
 
-def _to_scale(axes: Axes) -> None:
-    """One scale along and across, unless that would leave nothing to see."""
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    if 1 / STRETCHED < (right - left) / (high - low) < STRETCHED:
-        axes.set_aspect("equal", adjustable="datalim")
+def _to_scale(axes: Axes, lowest: float) -> bool:
+    """One scale along and across, down to the lowest words, unless that would leave nothing to see; whether it is."""
+    (left, right), high = axes.get_xlim(), axes.get_ylim()[1]
+    axes.set_ylim(lowest, high)
+    place, (wide, tall) = axes.get_position(), axes.figure.get_size_inches()  # type: ignore[union-attr]
+    sides = (place.width * wide, place.height * tall)
+    scales = (right - left) / sides[0], (high - lowest) / sides[1]
+    if not 1 / STRETCHED < scales[0] / scales[1] < STRETCHED:
+        return False
+    reach = [max(scales) * side / 2 for side in sides]
+    middle = (left + right) / 2, (lowest + high) / 2
+    axes.set(xlim=(middle[0] - reach[0], middle[0] + reach[0]), ylim=(middle[1] - reach[1], middle[1] + reach[1]))
+    return True
 
 
 STRETCHED = 4.0
-"""Ratio of the sides of a picture beyond which it is not drawn to scale."""
+"""Ratio of the scales beyond which a picture is not drawn to one."""
 
 
 def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> None:
@@ -90,8 +99,8 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units 
         axes.plot(y + place * width, z, color=_curve_colour(entry), linewidth=1.2)
         label = f"v = {entry.observables['v']:.4f}"
         axes.text(place * width, -0.65 * width, label, ha="center", va="center", fontsize=8)
-    axes.set_aspect("equal", adjustable="datalim")
     axes.set_yticks([])
+    _to_scale(axes, -0.8 * width)
 
 
 def _curve_colour(entry: BranchPoint[Any]) -> str:
@@ -128,8 +137,7 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "", units
         beside = units.axis_label("y", "shapes beside one another, y")
         dress(axes[1, 1], beside, "", "sections: stable blue, unstable brown")
     else:
-        draw_shapes(axes[1, 1], branch, units=units)
-        scale = "" if axes[1, 1].get_aspect() == 1 else ", not to scale"
+        scale = "" if draw_shapes(axes[1, 1], branch, units=units) else ", not to scale"
         dress(axes[1, 1], units.axis_label("x"), "", f"shapes: stable blue, unstable brown{scale}")
     axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize=9)
     note_unit(figure, units)

@@ -34,7 +34,7 @@ OWN: dict[Any, Any] = {"svg.hashsalt": "pearlbvp"}
 CANVASES = {"pdf": ("pdf", "Pdf"), "svg": ("svg", "SVG"), "eps": ("ps", "PS"), "ps": ("ps", "PS")}
 """Backend and canvas of formats that are no images; all others are drawn by Agg."""
 
-WIDEST_NUMBER = 0.7
+WIDEST_NUMBER = 0.6
 """Room for a number on the horizontal axis, in inches."""
 
 UNDATED = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}

@@ -28,5 +28,5 @@ def draw_region(table: pd.DataFrame, units: Units = RADII) -> Figure:
     dress(axes, along, "reduced volume v", f"c0 = {table['c0'].iloc[0]:g}: pearls stable below")
     note_unit(figure, units)
     if not found.empty:
-        add_legend(axes)
+        add_legend(axes, fontsize="small", loc="upper right")
     return figure
