@@ -71,8 +71,8 @@ def _draw_on_our_own_terms() -> None:
     if "matplotlib" in sys.modules:
         return
     os.environ |= {"MPLBACKEND": "agg", "MATPLOTLIBRC": os.devnull}
-    if not os.environ.get("SOURCE_DATE_EPOCH", "0").isdigit():
-        del os.environ["SOURCE_DATE_EPOCH"]  # PDF and PostScript would end in a trace
+    if not os.environ.get("SOURCE_DATE_EPOCH", "").isdigit():  # PDF and PostScript would end in a trace
+        os.environ["SOURCE_DATE_EPOCH"] = "0"  # the date in PostScript, which is otherwise another in every run
     logging.getLogger("matplotlib").setLevel(logging.CRITICAL)  # of its folder for caches, which may be anywhere
     if os.path.exists("matplotlibrc"):  # which beats all others
         with contextlib.chdir(os.path.dirname(__file__)):
