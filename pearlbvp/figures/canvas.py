@@ -106,7 +106,8 @@ def save_figure(figure: Figure, path: Path) -> None:
     kind = path.suffix[1:].lower() or "png"
     backend, name = CANVASES.get(kind, ("agg", "Agg"))
     canvas: Any = getattr(importlib.import_module(f"matplotlib.backends.backend_{backend}"), f"FigureCanvas{name}")
-    canvas(figure).print_figure(path, format=kind, metadata=UNDATED.get(kind))
+    with path.open("wb") as file:  # whose name would be PostScript's title
+        canvas(figure).print_figure(file, format=kind, metadata=UNDATED.get(kind))
 
 
 def pixels(figure: Figure) -> NDArray[np.uint8]:
