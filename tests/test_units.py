@@ -14,6 +14,7 @@ from commands import run
 from pearlbvp.errors import InputError
 from pearlbvp.figures import canvas
 from pearlbvp.mesh.files import read_mesh
+from pearlbvp.studies.saved import load
 from pearlbvp.units import QUANTITIES, Sentence, Units
 
 R = 0.37
@@ -356,3 +357,24 @@ def test_the_growth_rate_to_all_perturbations_is_that_of_the_flow_s_own_discreti
     own, whole = (float(err.split(words)[1].split()[0]) for words in ("the largest growth rate is ", "mu_crit = "))
     assert pd.read_csv(out)["area"].iloc[-1] < 0.95
     assert whole == pytest.approx(own, rel=5e-3)
+
+
+def test_why_a_branch_ends_is_said_in_the_user_s_unit_and_saved_in_radii(capsys, tmp_path):
+    """These pearls end where too many waves around the tube grow, at a tension that the table has, too."""
+    arguments = [
+        "branch",
+        "pearl",
+        "--c0",
+        0.75 / R,
+        "--length",
+        5 * R,
+        "--max-points",
+        80,
+        "--save",
+        tmp_path / "b.h5",
+    ]
+    _, out, err = run(capsys, *arguments, "--radius", R)
+    tension = table_of(out)["lambda1"].iloc[-1]
+    assert f"its tension is {tension:.3g}" in err
+    assert tension * R**2 == pytest.approx(-694.7, rel=1e-3)
+    assert f"its tension is {tension * R**2:.3g}" in load(tmp_path / "b.h5").reason

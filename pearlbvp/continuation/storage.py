@@ -24,7 +24,8 @@ FORMAT, VERSION = "pearlbvp branch", 1
 def write_branch(branch: Branch[Any], path: Path) -> None:
     """Write a branch into a new file."""
     with h5py.File(path, "w") as file:
-        file.attrs.update({"format": FORMAT, "version": VERSION, "reason": branch.reason, "complete": branch.complete})
+        reason = str(branch.reason)  # a sentence with numbers as it is in radii, like all that is saved
+        file.attrs.update({"format": FORMAT, "version": VERSION, "reason": reason, "complete": branch.complete})
         problem: Any = branch.points[0].point.problem
         file.attrs["kind"] = problem.stored_as
         numbers: dict[int, int] = {}
