@@ -231,6 +231,14 @@ class Sentence(str):
         sentence.parts = parts
         return sentence
 
+    def __add__(self, other: str) -> Sentence:
+        """What is appended to a sentence leaves it its numbers."""
+        return Sentence.joined(self, other)
+
+    def __radd__(self, other: str) -> Sentence:
+        """And what is put before it."""
+        return Sentence.joined(other, self)
+
     def __reduce__(self) -> tuple[Any, ...]:
         """As its parts, so that what another process says keeps its numbers."""
         return Sentence._of, (self.parts,)

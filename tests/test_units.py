@@ -326,6 +326,7 @@ def test_a_sentence_reads_in_any_unit_and_keeps_its_numbers_on_its_way_through_a
     neck = Sentence("a neck of {r:.3g} {r_unit} at {place}", r=0.5, place="{x}")
     whole = Sentence.joined("shape {0}: ", neck, Sentence("; t = {t:g}", t=2.0))
     assert whole == "shape {0}: a neck of 0.5 radii at {x}; t = 2"
+    assert Units(2.0, given=True).said("(" + neck + ")") == "(a neck of 1 units at {x})"
     error = pickle.loads(pickle.dumps(InputError(whole)))
     assert str(error) == whole
     tall = Units(10.0, given=True)
