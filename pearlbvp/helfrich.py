@@ -24,6 +24,9 @@ LENGTH_POWER = {
     "area": 2, "volume": 3, "mu_crit": -4, "mu_error": -4,
 }  # fmt: skip
 
+SHORT_WAVE = 4.0
+"""Wave number beyond which amplitudes and multipliers of a branch are measured by powers of it, as they are of its size."""
+
 LARGEST_C0, SHORTEST, LONGEST = 1e4, 1e-4, 1e8
 """Beyond these a number is a mistake of units, and arithmetic loses its digits."""
 
