@@ -49,7 +49,7 @@ class Case:
         return tube_branch(self.c0, self.length, self.family, (self.m, self.n), options)  # type: ignore[arg-type]
 
 
-def drawn(seed: int) -> Case:
+def drawn(seed: int, max_points: int = 10) -> Case:
     """A case: lengths 0.3 to 300, c0 from -50 to 50, half of them within 2, modes to 40."""
     rng = np.random.default_rng(seed)
 
@@ -66,7 +66,7 @@ def drawn(seed: int) -> Case:
         "coil": 1,
         "buckle": 1 if rng.random() < 0.6 else round(spread(1, 40)),
     }
-    return Case(family, round(c0, 5), round(length, 5), m, n[family], round(max_step, 3))
+    return Case(family, round(c0, 5), round(length, 5), m, n[family], round(max_step, 3), max_points)
 
 
 def unstable_on_the_cylinder(case: Case, lambda2: float) -> int:

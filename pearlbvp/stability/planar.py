@@ -36,8 +36,8 @@ from pearlbvp.stability.spectrum import Spectrum, kernel_residual
 MOST_WAVES = 2000
 """Largest number of waves along the tube among which the first to grow is looked for."""
 
-MOST_WORK = 4e8
-"""Waves along times classes times the cube of their sizes, up to which a spectrum is computed: some five seconds."""
+MOST_WORK = 2e8
+"""Waves along times classes times the cube of their sizes, up to which a spectrum is computed: a few seconds."""
 
 
 @dataclass(frozen=True)

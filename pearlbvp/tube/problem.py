@@ -39,7 +39,7 @@ MOST_WAVES = 20000
 """Waves along times waves around, beyond which a spectrum is not tried."""
 
 MOST_WORK = 1e10
-"""Cubes of the sizes of all symmetry blocks, up to which a spectrum is computed: some five seconds."""
+"""Cubes of the sizes of all symmetry blocks, up to which a spectrum is computed: a few seconds."""
 
 
 class TubeParameters(NamedTuple):
