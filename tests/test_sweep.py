@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from sweep import Case, drawn, faults, unstable_on_the_cylinder
 
 from pearlbvp.studies.branch import branch_options
 from pearlbvp.studies.tube import tube_branch
-
+from sweep import Case, drawn, faults, unstable_on_the_cylinder
 
 SLOW = {1, 4, 9, 20, 22, 28}
 """Cases of several seconds each, which the benchmark has."""

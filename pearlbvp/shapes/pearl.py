@@ -309,8 +309,8 @@ class PearlProblem:
 def _weights(wave_number: float, large_tension: bool) -> Array | None:
     """Weights of states and parameters, of a full cell's too, in the inner product; None where all are 1.
 
-    With ``k`` the wave number, ``h`` is of size ``k``, ``w`` and both multipliers are of size ``k^2`` on short pearls; slopes and
-    volumes are of size 1.
+    With ``k`` the wave number, ``h`` is of size ``k`` on short pearls, ``w`` and both multipliers are of size ``k^2``; slopes
+    and volumes are of size 1.
     """
     if wave_number == 1:
         return None
