@@ -12,6 +12,9 @@ from dataclasses import dataclass
 
 from pearlbvp.errors import InputError
 
+SHORT_WAVE = 4.0
+"""Wave number beyond which amplitudes and multipliers of a branch are measured by powers of it, as they are of its size."""
+
 LARGEST_C0, SHORTEST, LONGEST = 1e4, 1e-4, 1e8
 """Beyond these a number is a mistake of units, and arithmetic loses its digits."""
 

@@ -17,7 +17,7 @@ RESOLVED = 1e-4
 """Error of the growth rates of pearls beyond which a branch ends rather than count wrongly."""
 
 RESOLVED_TUBE = 1e-6
-"""The same of tubes in reduced modes, as rigid motions show it."""
+"""The same of tubes in reduced modes, as rigid motions show it, by the fourth power of their wave number."""
 
 
 def limit(point: BranchPoint[Any]) -> str | None:
@@ -51,11 +51,10 @@ def _pearl_limit(point: BranchPoint[Any]) -> str | None:
 def _tube_limit(problem: TubeProblem, point: BranchPoint[Any]) -> str | None:
     if point.observables["r_min"] <= 0:
         return "a cross-section is no longer star-shaped about its centre, as reduced modes need it"
-    if point.spectrum.kernel > RESOLVED_TUBE:
+    if point.spectrum.kernel > RESOLVED_TUBE * problem.wave_number**4:
         size = " x ".join(str(most) for most in problem.size if most)
         return Sentence(
-            f"its growth rates are known to {{rate:.0e}} only, as its rigid motions show: {size} modes, "
-            "the most there are, do not resolve the shape",
+            f"its growth rates are known to {{rate:.0e}} only, as its rigid motions show: {size} modes do not resolve the shape",
             rate=point.spectrum.kernel,
         )
     return None
