@@ -54,7 +54,7 @@ def _tube_limit(problem: TubeProblem, point: BranchPoint[Any]) -> str | None:
     if point.spectrum.kernel > RESOLVED_TUBE * problem.wave_number**4:
         size = " x ".join(str(most) for most in problem.size if most)
         return Sentence(
-            f"its growth rates are known to {{rate:.0e}} only, as its rigid motions show: {size} modes do not resolve the shape",
+            f"its growth rates are known to {{rate:.0e}} only, as its rigid motions show: {size} modes do not resolve it",
             rate=point.spectrum.kernel,
         )
     return None
