@@ -1,7 +1,7 @@
 """Branches as trees of arrays, numbers and words, to be saved and read back; see ``hdf5`` for the files.
 
 Layout: ``kind, reason, complete``; ``problems/0 ...`` (each mesh once); ``points/0 ...`` with ``u, tangent``, the number of
-their problem, their ``observables`` and ``spectrum``; ``special/0 ...``. Problems and spectra describe themselves (``to_tree``).
+their problem, their ``observables`` and ``spectrum``; ``special/0 ...``. Problems, spectra describe themselves (``to_tree``).
 """
 
 from __future__ import annotations
