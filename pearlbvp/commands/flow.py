@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -48,7 +50,7 @@ if TYPE_CHECKING:
 @click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the tube.")
 @click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
 @click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv",
-              help="Start from radii instead: columns x and r, with --c0 and --length.")  # fmt: skip
+              help="Start from radii instead: columns x and r of one period, with --c0 and --length.")  # fmt: skip
 @click.option("--mesh", type=click.Path(path_type=Path), metavar="FILE.vtu|.ply|.obj",
               help="Start from a triangulated tube instead, one period, with --c0 and --length.")  # fmt: skip
 @click.option(
@@ -156,7 +158,10 @@ def flow(
             bar.set_postfix(t=f"{state.t * unit:.5g}", refresh=False)
             bar.update(len(state.record.rows["t"]) - bar.n)
             if save is not None:
-                study.save(state, save)
+                with contextlib.suppress(
+                    InputError
+                ):  # a full disk may have room again; the end says what was not saved
+                    study.save(state, save)
 
         state = beginning(*_start(branch, **start), radius) if resume is None else study.load(resume)
         powers = length_powers(state.problem.law)
@@ -172,26 +177,34 @@ def flow(
             if settings["until"] <= state.t:
                 raise InputError(f"--time: the saved flow is at t = {state.t * unit:g} already; give a later time")
         result = resumed(state, FlowOptions(**settings))
-    if save is not None:
-        study.save(result.state, save)
-    if movie is not None:
+    table = in_units_of_radius(result.table(), radius, **powers)
+    end, words = _end(result, save_end, radius)
+
+    def write_frames(path: Path) -> None:
         from pearlbvp.figures.flow import write_movie
 
-        write_whole("--movie", movie, lambda path: write_movie(result.state, path, unit=unit))
-    table = in_units_of_radius(result.table(), radius, **powers)
+        write_movie(result.state, path, unit=unit)
 
     def draw() -> Figure:
         from pearlbvp.figures.flow import draw_flow
 
         return draw_flow(result.state, table, unit=unit)
 
-    write(table, out, plot, draw)
+    others: list[Callable[[], object]] = []
+    if save is not None:
+        others.append(lambda: study.save(result.state, save))
+    if save_end is not None and end is not None:
+        others.append(lambda: saved.save(end, save_end, "--save-end"))
+    if movie is not None:
+        others.append(lambda: write_whole("--movie", movie, write_frames))
+    write(table, out, plot, draw, others)
     advice = f"; {result.advice}" if result.advice else ""
     print(f"pearlbvp: {result.status}: {of_this_command(result.said.at(radius) + advice)}", file=sys.stderr)
-    whole = _say_end(result, save_end, radius)
+    if words:
+        print(f"pearlbvp: {words}", file=sys.stderr)
     if result.status == "interrupted":
         return INTERRUPTED
-    return DONE if result.complete and whole else SOME_FAILED
+    return DONE if result.complete and (save_end is None or end is not None) else SOME_FAILED
 
 
 PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}
@@ -253,35 +266,27 @@ def _in_radii(given: set[str], start: dict[str, Any], radius: float) -> None:
     start["radius"] = radius
 
 
-def _say_end(result: Any, save_end: Path | None, radius: float) -> bool:
-    """What a flow rests on, and its stability to all perturbations, on standard error; saved where that was asked for.
+def _end(result: Any, save_end: Path | None, radius: float) -> tuple[Any, str]:
+    """What a flow rests on, as a branch of one point, and its stability to all perturbations, in words.
 
     Returns:
-        Whether all that was asked for was done.
+        The branch, or None where the end is no point of one; words, which say that where it matters.
     """
-    from pearlbvp.studies import saved
     from pearlbvp.studies.flow_end import described, end_branch
 
     try:
         branch = end_branch(result)
     except InputError as error:  # an end that is no point of a branch: the flow's own word stands
         if save_end is not None:
-            print(f"pearlbvp: {str(error).replace('flow:', '--save-end:', 1)}", file=sys.stderr)
-        elif result.equilibrium is not None and result.equilibrium.converged:
-            print(f"pearlbvp: {str(error).removeprefix('flow: ')}", file=sys.stderr)
-        return save_end is None
+            return None, str(error).replace("flow:", "--save-end:", 1)
+        rests = result.equilibrium is not None and result.equilibrium.converged
+        return None, str(error).removeprefix("flow: ") if rests else ""
     spectrum = branch.points[0].spectrum
     counted = f"n_unstable = {spectrum.n_unstable}"
     if result.state.problem.law != "diffusion":  # whose equilibria are stable alike, but at other rates
         rate = spectrum.mu_crit / (result.equilibrium.observables["area"] * radius) ** 4  # similarity: studies.flow_end
         counted += f", mu_crit = {rate:.4g} ({spectrum.critical})"
-    print(
-        f"pearlbvp: {described(result.equilibrium)}; to all perturbations of this tube: {counted}",
-        file=sys.stderr,
-    )
-    if save_end is not None:
-        saved.save(branch, save_end)
-    return True
+    return branch, f"{described(result.equilibrium)}; to all perturbations of this tube: {counted}"
 
 
 def _start(
@@ -305,7 +310,9 @@ def _start(
         if profile is None:
             return _of_a_file(mesh, radius, c0, length, discretization, law, pressure)  # type: ignore[arg-type]
         x, r = _profile(profile)
-        return profile_start(c0, length, x / radius, r / radius, points=points, law=law, pressure=pressure)
+        return profile_start(
+            c0, length, x / radius, r / radius, points=points, law=law, pressure=pressure, radius=radius
+        )
     if branch is None:
         if c0 is None or length is None:
             raise InputError("--c0, --length: give both, or a saved branch with --from")
@@ -364,13 +371,10 @@ def _of_a_file(
 
 
 def _profile(path: Path) -> tuple[Any, Any]:
-    """Columns ``x`` and ``r`` of a table."""
-    import pandas as pd
+    """Columns ``x`` and ``r`` of a table; of one without a header the first is ``x``."""
+    import numpy as np
 
-    try:
-        table = pd.read_csv(path)
-        return table["x"].to_numpy(float), table["r"].to_numpy(float)
-    except OSError:
-        raise InputError(f"--profile: there is no file {path} that can be read; give a CSV file") from None
-    except (KeyError, ValueError):  # pandas' own errors of parsing are ValueErrors
-        raise InputError(f"--profile: {path} is no table of numbers with columns x and r; write one") from None
+    from pearlbvp.tables import read_table
+
+    table = read_table("profile", path, ("x", "r"), unnamed=("x", "r"))
+    return np.array(table["x"]), np.array(table["r"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -95,17 +96,19 @@ def mesh(
             raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
         surface, table = _of_a_point(at, nodes, discretization, solve)
         title = f"v = {at.observables['v']:.4f}, L = {at.observables['L']:g}"
+    others: list[Callable[[], object]] = []
     if out is not None:
         from pearlbvp.mesh.files import write_mesh
 
-        write_mesh(replace(surface, vertices=radius * surface.vertices, length=radius * surface.length), out)
+        scaled = replace(surface, vertices=radius * surface.vertices, length=radius * surface.length)
+        others.append(lambda: write_mesh(scaled, out))
 
     def draw() -> Figure:
         from pearlbvp.figures.mesh import draw_mesh
 
         return draw_mesh(surface, title=f"{title}: {surface.count} nodes, {len(surface.triangles)} triangles")
 
-    status = write(in_units_of_radius(table, radius), None, plot, draw)
+    status = write(in_units_of_radius(table, radius), None, plot, draw, others)
     if solve and abs(table["mu_crit"][0]) < DOUBTFUL * table["mu_error"][0]:
         print(
             "pearlbvp: mu_crit is not much larger than mu_error, so n_unstable is not certain; give more --nodes",

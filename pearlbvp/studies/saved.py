@@ -32,13 +32,18 @@ KINDS = {
 """How problems and spectra of a branch are read, by the kind that its file names."""
 
 
-def save(branch: Branch[Any], path: str | os.PathLike[str]) -> None:
+def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "save") -> None:
     """Save a branch as HDF5, whole or not at all.
+
+    Args:
+        branch: any.
+        path: where to.
+        name: the argument's name, for the message.
 
     Raises:
         InputError: the place cannot be written to.
     """
-    save_tree("save", path, KIND, branch_tree(branch))
+    save_tree(name, path, KIND, branch_tree(branch))
 
 
 def load(path: str | os.PathLike[str], name: str = "resume") -> Branch[Any]:
