@@ -147,7 +147,7 @@ def flow(
         )
     from tqdm import tqdm
 
-    from pearlbvp.flow.driver import FlowOptions, resumed
+    from pearlbvp.flow.driver import NEXT, FlowOptions, resumed
     from pearlbvp.flow.driver import start as beginning
     from pearlbvp.flow.record import length_powers
     from pearlbvp.studies import flow as study
@@ -174,7 +174,7 @@ def flow(
         }
         if until is not None:
             settings["until"] = positive("until", until) / unit
-            if settings["until"] <= state.t:
+            if settings["until"] <= state.t * (1 + NEXT):
                 raise InputError(f"--time: the saved flow is at t = {state.t * unit:g} already; give a later time")
         result = resumed(state, FlowOptions(**settings))
     table = in_units_of_radius(result.table(), radius, **powers)

@@ -27,6 +27,9 @@ COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_m
 STOPS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L", "mu_crit")
 """Columns at a value of which a branch can stop."""
 
+NO_SHAPE = 1e-5
+"""Amplitude below which the shape of least energy is the straight tube: at v = 1 alone it goes to zero, as a root."""
+
 LONGEST_PEARL = 1000.0
 """Longest period of a branch of pearls: its meshes grow with it."""
 
@@ -144,6 +147,11 @@ def shape_branch(
     problem, u, why = pearl_of_graph(tube, v, amplitudes, tolerance=tolerance)
     if why:
         raise InputError(f"shape: the shape of least energy led to no equilibrium ({why}); try other cosines")
+    if problem.observables(u)["amplitude"] < NO_SHAPE:
+        raise InputError(
+            "shape: downhill from it at this volume lies the straight tube, where branches cross; give other cosines or "
+            "another volume, or leave --shape out for the pearls that leave the tube"
+        )
     problem = replace(problem, fixed=fixed, cells=cells)
     upwards = np.zeros_like(u)
     upwards[-1] = 1.0  # v is the last unknown

@@ -7,7 +7,7 @@ are ``s^4`` times those in the flow's own units.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, SpecialPoint, continue_branch, start_point
-from pearlbvp.continuation.path import Point, correct
+from pearlbvp.continuation.path import Point, correct_at
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
@@ -41,6 +41,9 @@ FEWEST_WAVES = 8
 """Periods or folds that a tube has at first; more are taken where the shape needs them."""
 
 MOST_REMESHES = 6
+
+ROUNDING = 1e-11
+"""Relative differences of areas that are rounding: constraints are kept to 1e-14 of each step."""
 
 STRAIGHT = (
     "flow: its end is the straight tube, where branches cross and tension and pressure are not told apart; "
@@ -105,6 +108,15 @@ def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem | MeshProb
     return _tubes(end, position, fixed)
 
 
+def _scale(found: Mapping[str, float]) -> float:
+    """By what a shape is larger than the similar one of area ``2 pi L``; 1 where only rounding tells them apart.
+
+    A flow from a branch keeps the area of the tube it is on, where that is asked for: its end is on the very tube that was
+    given, with the digits that it was given by.
+    """
+    return 1.0 if abs(found["area"] - 1) < ROUNDING else found["area"]
+
+
 def _check(end: Equilibrium) -> None:
     if not end.converged:
         raise InputError("flow: its last shape is no equilibrium; let it rest first")
@@ -113,7 +125,7 @@ def _check(end: Equilibrium) -> None:
 def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[TubeProblem, Array]:
     """The similar tube of area ``2 pi L`` in the modes of its symmetry, by Newton's method at its reduced volume."""
     found, symmetry = end.observables, position.symmetry
-    scale = found["area"]
+    scale = _scale(found)
     known = {mode: value / scale for mode, value in position.known.items()}
     along, around = _size(known, symmetry)
     tolerance = PLANE_TOLERANCE if along and around else TubeProblem.tolerance
@@ -123,21 +135,21 @@ def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[
     problem = problem.pinned_at(dict(zip(problem.modes, problem.packed(known), strict=True)))
     parameters = [found["lambda1"] * scale**2, found["lambda2"] * scale**3, found["v"] / scale**2]
     u = _at_its_volume(problem, np.append(problem.packed(known), parameters))
-    problem, u = _resolved(problem, u, _at_its_volume)
+    problem, u = _resolved(problem, u)
     energy = problem.observables(u)["E"]
     if abs(energy - found["E"] * scale**2) > UNLIKE * abs(energy):
         raise InputError("flow: Newton's method left its end for another equilibrium; let it flow on more modes")
     return problem, u
 
 
-def _resolved(problem: Any, u: Array, solve: Callable[[Any, Array], Array]) -> tuple[Any, Array]:
-    """The solution on as many modes, or as fine a mesh, as it needs."""
+def _resolved(problem: Any, u: Array) -> tuple[Any, Array]:
+    """The solution on as many modes, or as fine a mesh, as it needs, at its reduced volume."""
     for _ in range(MOST_REMESHES):
         changed = problem.remesh(u)
         if changed is None:
             break
         problem, (u,) = changed
-        u = solve(problem, u)
+        u = _at_its_volume(problem, u)
     return problem, u
 
 
@@ -146,7 +158,7 @@ def _meshes(end: Equilibrium) -> tuple[MeshProblem, Array]:
     flow, found = end.problem, end.observables
     if found["amplitude"] < SMALLEST_AMPLITUDE:
         raise InputError(STRAIGHT)
-    scale, mesh = found["area"], flow.reference.mesh
+    scale, mesh = _scale(found), flow.reference.mesh
     mesh = replace(mesh, vertices=flow.vertices(end.q) / scale, length=mesh.length / scale)
     parameters = np.array([found["lambda1"] * scale**2, found["lambda2"] * scale**3, found["v"] / scale**2])
     reference = flow.reference
@@ -166,12 +178,17 @@ def _size(known: Mapping[Mode, float], symmetry: TubeSymmetry) -> tuple[int, int
     return int(along), int(around)
 
 
-def _at_its_volume(problem: TubeProblem, u: Array) -> Array:
-    """Newton's method at fixed reduced volume."""
-    result, _ = correct(problem, u, _by_volume(u), u, 0.0, NewtonOptions(max_iterations=15))
+def _at_its_volume(problem: Any, u: Array) -> Array:
+    """Newton's method at fixed reduced volume.
+
+    Raises:
+        InputError: it did not converge; the message says why.
+    """
+    result, _ = correct_at(problem, u, NewtonOptions(max_iterations=15))
     if not result.converged:
         raise InputError(
-            f"flow: its end led to no equilibrium among tubes of its symmetry ({result.message}); let it flow on more modes"
+            f"flow: its end led to no equilibrium among shapes of its symmetry ({result.message}); let it flow on more "
+            "points or modes"
         )
     return result.u
 
@@ -210,7 +227,7 @@ def pearls_of(end: Equilibrium, tolerance: float = 1e-10) -> tuple[PearlProblem,
 def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlProblem, Array]:
     """The arclength problem's solution at the reduced volume of an end whose radius is a sum of cosines."""
     found = end.observables
-    scale = found["area"]
+    scale = _scale(found)
     pearls = int(np.gcd.reduce(np.flatnonzero(np.abs(cosines) > NEGLIGIBLE)))  # equal ones, on the whole tube
     if pearls == 0:
         raise InputError(STRAIGHT)
@@ -218,18 +235,7 @@ def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlPr
     problem, u, why = pearl_of_graph(tube, found["v"] / scale**2, cosines[::pearls] / scale, tolerance=tolerance)
     if why:
         raise InputError(f"flow: its end led to no equilibrium of the arclength problem ({why})")
-    return _resolved(replace(problem, cells=pearls), u, _corrected)
-
-
-def _corrected(problem: PearlProblem, u: Array) -> Array:
-    """Newton's method at fixed volume."""
-    row = _by_volume(u)
-    for _ in range(8):
-        step = problem.solve(u, np.append(problem.residual(u), 0.0), row)
-        u = u - step
-        if np.abs(step).max() < 1e-12:
-            break
-    return u
+    return _resolved(replace(problem, cells=pearls), u)
 
 
 def _plane(graph: GraphFlow, q: Array) -> float:

@@ -130,6 +130,8 @@ def pearl_start(problem: PearlProblem, u: Array, *, points: int = 128, law: Law 
         if finer is None:
             raise InputError(f"point: {graph.points} points do not resolve its shape; choose one with a thicker neck")
         graph = finer[0]
+    # Interpolation leaves some 1e-10 of the area and volume that the branch has exactly.
+    q = constrained(replace(graph, law="area and volume"), q, np.array([1.0, found["v"] / 2]), normally=True)
     multipliers = np.array([found["lambda1"], found["lambda2"]][: len(graph.constraints(q))])
     return FlowStart(graph, q, multipliers)
 
