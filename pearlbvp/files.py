@@ -117,11 +117,21 @@ def write_whole(name: str, path: Path, write: Callable[[Path], object]) -> None:
         write(temporary)
         temporary.chmod(_mode(path))
         temporary.replace(path)
-    except OSError as error:
-        raise InputError(f"{name}: {path} could not be written ({_why(error)}); {_remedy(error)}") from None
+    except Exception as error:
+        failed = _of_the_system(error)
+        if failed is None:
+            raise
+        raise InputError(f"{name}: {path} could not be written ({_why(failed)}); {_remedy(failed)}") from None
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+
+
+def _of_the_system(error: BaseException | None) -> OSError | None:
+    """The system's error behind one of a library, which stumbled over its own half-written file while it closed that."""
+    while error is not None and not isinstance(error, OSError):
+        error = error.__cause__ or error.__context__
+    return error
 
 
 def _mode(path: Path) -> int:

@@ -27,8 +27,8 @@ COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_m
 STOPS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L", "mu_crit")
 """Columns at a value of which a branch can stop."""
 
-NO_SHAPE = 1e-5
-"""Amplitude below which the shape of least energy is the straight tube: at v = 1 alone it goes to zero, as a root."""
+NO_SHAPE = 1e-3
+"""Amplitude up to which the shape of least energy is the straight tube: of others the volume is at least 5e-7 from 1."""
 
 LONGEST_PEARL = 1000.0
 """Longest period of a branch of pearls: its meshes grow with it."""
@@ -144,10 +144,13 @@ def shape_branch(
     amplitudes, why = relaxed(tube, v, np.array([finite("shape", value) for value in cosines]))
     if why:
         raise InputError(f"shape: {why}")
-    problem, u, why = pearl_of_graph(tube, v, amplitudes, tolerance=tolerance)
-    if why:
-        raise InputError(f"shape: the shape of least energy led to no equilibrium ({why}); try other cosines")
-    if problem.observables(u)["amplitude"] < NO_SHAPE:
+    near = float(np.abs(amplitudes[1:]).max())
+    if near > NO_SHAPE:
+        problem, u, why = pearl_of_graph(tube, v, amplitudes, tolerance=tolerance)
+        if why:
+            raise InputError(f"shape: the shape of least energy led to no equilibrium ({why}); try other cosines")
+        near = problem.observables(u)["amplitude"]
+    if near <= NO_SHAPE:
         raise InputError(
             "shape: downhill from it at this volume lies the straight tube, where branches cross; give other cosines or "
             "another volume, or leave --shape out for the pearls that leave the tube"
