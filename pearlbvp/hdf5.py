@@ -12,6 +12,7 @@ system does not have, and follows links into other files; none of that can happe
 from __future__ import annotations
 
 import hashlib
+import io
 import os
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
@@ -62,10 +63,10 @@ def save_tree(name: str, path: str | os.PathLike[str], kind: str, tree: Tree) ->
         InputError: the place cannot be written to.
     """
     path = writable(name, path)
-    with h5py.File(kind, "w", driver="core", backing_store=False, libver=VERSIONS, userblock_size=HEADER) as file:
+    memory = io.BytesIO()
+    with h5py.File(memory, "w", libver=VERSIONS, userblock_size=HEADER) as file:
         _write(file, tree)
-        file.flush()
-        image = file.id.get_file_image()  # without the user block
+    image = memory.getvalue()[HEADER:]
     if len(image) > MOST_BINARY:
         raise InputError(f"{name}: it would have more than {MOST_BINARY:.3g} bytes; save a shorter run")
     write_whole(name, path, lambda temporary: temporary.write_bytes(sealed(kind, image)))
