@@ -151,7 +151,7 @@ class _Announcement(event.Listener):
         if why := unusable():
             when = f"in every run, for {why}; set NUMBA_CACHE_DIR to a folder of yours"
         elif self.damaged:
-            when = f"again: what was kept of them in {folder()} was damaged, and is removed"
+            when = f"again: what was kept of them in {folder()} was damaged or not yours, and is removed"
         else:
             when = "once after installation, which can take a minute"
         print(f"pearlbvp: compiling its inner loops {when} ...", file=sys.stderr)

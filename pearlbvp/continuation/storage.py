@@ -6,6 +6,7 @@ their problem, their ``observables`` and ``spectrum``; ``special/0 ...``. Proble
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -88,7 +89,10 @@ def _point(tree: Mapping[str, Any], problems: list[Any], spectrum_from: Reader) 
     order = problem.observables(u)  # files sort names; this also fails where u does not fit its mesh
     observables = {name: float(tree["observables"][name]) for name in order}
     point = Point(problem, u, tangent, observables, int(tree["iterations"]), float(tree["step"]))
-    return BranchPoint(point, spectrum_from(tree["spectrum"]))
+    spectrum = spectrum_from(tree["spectrum"])
+    if not math.isfinite(spectrum.mu_crit):  # this also fails where a block has no rates
+        raise ValueError("a point's growth rates do not fit")
+    return BranchPoint(point, spectrum)
 
 
 def _special(tree: Mapping[str, Any], points: list[BranchPoint[Any]]) -> SpecialPoint[Any]:
