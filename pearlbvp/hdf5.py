@@ -30,7 +30,10 @@ FORMAT = 2
 HEADER = 512
 """Bytes of the user block, the smallest that HDF5 has."""
 
-SUPERBLOCK = b"\x89HDF\r\n\x1a\n\x03"
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+"""How HDF5 files begin."""
+
+SUPERBLOCK = SIGNATURE + b"\x03"
 """How HDF5 files begin whose objects have checksums, which are those of its format of version 1.10."""
 
 OPEN_FLAGS = 11
@@ -126,17 +129,20 @@ def _unsealed(name: str, path: str | os.PathLike[str], kind: str, content: bytes
     image = content[HEADER:]
     if first == f"{kind}, format {FORMAT}".encode():
         if rest != f"sha256 {hashlib.sha256(image).hexdigest()}\n".encode() or not image.startswith(SUPERBLOCK):
-            if image.startswith(SUPERBLOCK) and image[OPEN_FLAGS]:
+            if image.startswith(SUPERBLOCK) and image[OPEN_FLAGS : OPEN_FLAGS + 1] > b"\0":
                 raise InputError(f"{name}: another program has {path} open for writing; close it there first")
             raise InputError(
                 f"{name}: {path} is not as it was saved: it was cut off, damaged or changed since; save it again"
             )
         return image
-    why = " (it is empty)" if not content else ""
-    if first.startswith(b"pearlbvp ") and b", format " in first:
-        held = first.decode("ascii", "replace").partition(",")[0]
-        why = f" but a {_what(held)}" if held != kind else ""
-    raise InputError(f"{name}: {path} is no {_what(kind)} saved by this version{why}; give one that {writer} wrote")
+    what = f"no {_what(kind)} saved by this version"
+    if not content:
+        what += ", but empty"
+    elif SIGNATURE not in content[: 2 * HEADER]:
+        what += ": it is no HDF5 file"
+    elif first.startswith(b"pearlbvp ") and not first.startswith(kind.encode()):
+        what += f", but a saved {_what(first.decode('ascii', 'replace').partition(',')[0])}"
+    raise InputError(f"{name}: {path} is {what}; give one that {writer} wrote")
 
 
 def _what(kind: str) -> str:

@@ -86,11 +86,13 @@ def test_a_file_that_was_cut_off_grown_or_replaced_is_refused(path):
     for length in (*range(0, len(whole), 211), len(whole) - 1):
         path.write_bytes(whole[:length])
         refused(path)
-    for other in (whole + b"\0", b"text", b"\x89HDF\r\n\x1a\n" + bytes(600), whole[:HEADER], whole[HEADER:]):
+    path.write_bytes(b"text")
+    assert "it is no HDF5 file" in refused(path)
+    for other in (whole + b"\0", b"\x89HDF\r\n\x1a\n" + bytes(600), whole[:HEADER], whole[HEADER:]):
         path.write_bytes(other)
         refused(path)
     save_tree("save", path, "pearlbvp other", TREE)
-    assert "is no trial saved by this version but a other" in refused(path)
+    assert "is no trial saved by this version, but a saved other" in refused(path)
 
 
 def _huge(file):
