@@ -121,8 +121,11 @@ def _with(values, row, value):
         (lambda x, r: (x, r), L / 2, r"more than the period 1.66667 \(about 2 periods\)"),
         (lambda x, r: (np.append(x, L + x), np.append(r, r)), L, "about 2 periods"),
         (lambda x, r: (x[:30], r[:30]), L, "of the period 3.33333 only"),
-        (lambda x, r: (np.delete(x, range(50, 60)), np.delete(r, range(50, 60))), L, "only"),
+        (lambda x, r: (x[:58], r[:58]), L, "of the period 3.33333 only"),
+        (lambda x, r: (x, r), 1.02 * L, "of the period 3.4 only"),
+        (lambda x, r: (x, r), 0.97 * L, "more than the period"),
         (lambda x, r: (50 * x, 50 * r), 50 * L, "radius: the tube's radius is about 5.*; give --radius 5"),
+        (lambda x, r: (50 * x, 50 * r), L, "radius: the tube's radius is about 5.*; give --radius 5"),
         (lambda x, r: (x / 20, r / 20), L / 20, "radius: the tube's radius is about 0.05.*; give --radius 0.05"),
     ],
 )

@@ -6,6 +6,7 @@ import contextlib
 import os
 import sys
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -178,7 +179,7 @@ def flow(
                 raise InputError(f"--time: the saved flow is at t = {state.t * unit:g} already; give a later time")
         result = resumed(state, FlowOptions(**settings))
     table = in_units_of_radius(result.table(), radius, **powers)
-    end, words = _end(result, save_end, radius)
+    end = cache(lambda: _end(result, save_end, radius))  # which takes a while: after the table is written
 
     def write_frames(path: Path) -> None:
         from pearlbvp.figures.flow import write_movie
@@ -193,18 +194,19 @@ def flow(
     others: list[Callable[[], object]] = []
     if save is not None:
         others.append(lambda: study.save(result.state, save))
-    if save_end is not None and end is not None:
-        others.append(lambda: saved.save(end, save_end, "--save-end"))
+    if save_end is not None:
+        others.append(lambda: None if end()[0] is None else saved.save(end()[0], save_end, "--save-end"))
     if movie is not None:
         others.append(lambda: write_whole("--movie", movie, write_frames))
     write(table, out, plot, draw, others)
     advice = f"; {result.advice}" if result.advice else ""
     print(f"pearlbvp: {result.status}: {of_this_command(result.said.at(radius) + advice)}", file=sys.stderr)
+    branch, words = end()
     if words:
         print(f"pearlbvp: {words}", file=sys.stderr)
     if result.status == "interrupted":
         return INTERRUPTED
-    return DONE if result.complete and (save_end is None or end is not None) else SOME_FAILED
+    return DONE if result.complete and (save_end is None or branch is not None) else SOME_FAILED
 
 
 PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}

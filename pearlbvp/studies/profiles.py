@@ -19,7 +19,10 @@ DIFFERENT = 0.01
 """Difference of radii one period apart, by their range, beyond which they are not the same."""
 
 GAP = 3.0
-"""Longest stretch without any place, in the longest step, that is taken for one between neighbours."""
+"""Stretch from the last place to the next period, in the longest step, beyond which rows are missing there."""
+
+EVEN = 1.5
+"""The same where steps are even, and the largest ratio of such steps."""
 
 FARTHEST_RADIUS = 3.0
 """Factor between a profile's radius and the tube's beyond which they are in different units."""
@@ -39,8 +42,8 @@ def one_period(x: Array, r: Array, length: float, radius: float = 1.0) -> CubicS
     x, r = np.asarray(x, dtype=float), np.asarray(r, dtype=float)
     _check_rows(x, r)
     x, r = _growing(x, r, length)
+    _check_radius(x, r, radius)
     _check_extent(x, length, radius)
-    _check_radius(x, r, length, radius)
     end = min(x[-1] - x[-2], x[1] - x[0])
     gap = length - (x[-1] - x[0])
     if abs(gap) < CLOSED * end:
@@ -98,17 +101,17 @@ def _check_extent(x: Array, length: float, radius: float) -> None:
             f"profile: x runs over {span * radius:.6g}, more than the period {length * radius:.6g} (about {whole:.3g} "
             "periods); give the rows of one period, or the length of the whole"
         )
-    if lack > GAP * steps.max():
+    if lack > (EVEN if steps.max() < EVEN * steps.min() else GAP) * steps.max():
         raise InputError(
             f"profile: x runs over {span * radius:.6g} of the period {length * radius:.6g} only; give the rows of a whole "
             "period, or its length"
         )
 
 
-def _check_radius(x: Array, r: Array, length: float, radius: float) -> None:
-    """Whether the profile is of a tube with about the radius 1: of the cylinder of its area."""
-    lengths = np.hypot(np.diff(x, append=x[0] + length), np.diff(r, append=r[0]))
-    found = float(((r + np.roll(r, -1)) / 2 * np.maximum(lengths, 0)).sum() / length)
+def _check_radius(x: Array, r: Array, radius: float) -> None:
+    """Whether the profile is of a tube with about the radius 1: that of the cylinder of its area."""
+    lengths = np.hypot(np.diff(x), np.diff(r))
+    found = float((lengths * (r[1:] + r[:-1]) / 2).sum() / (x[-1] - x[0]))
     if not 1 / FARTHEST_RADIUS < found < FARTHEST_RADIUS:
         raise InputError(
             f"radius: the tube's radius is about {found * radius:.3g}, not {radius:g}; give --radius {found * radius:.3g}"
