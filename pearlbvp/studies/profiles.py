@@ -113,6 +113,5 @@ def _check_radius(x: Array, r: Array, radius: float) -> None:
     lengths = np.hypot(np.diff(x), np.diff(r))
     found = float((lengths * (r[1:] + r[:-1]) / 2).sum() / (x[-1] - x[0]))
     if not 1 / FARTHEST_RADIUS < found < FARTHEST_RADIUS:
-        raise InputError(
-            f"radius: the tube's radius is about {found * radius:.3g}, not {radius:g}; give --radius {found * radius:.3g}"
-        )
+        about = float(f"{found * radius:.2g}")
+        raise InputError(f"radius: the tube's radius is about {about:g}, not {radius:g}; give --radius {about:g}")
