@@ -6,6 +6,8 @@ Everything that takes time to import is imported by the command that needs it, s
 from __future__ import annotations
 
 import contextlib
+import importlib
+import logging
 import os
 import signal
 import sys
@@ -47,6 +49,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit status: 0 done, 1 some rows failed, 2 unusable input."""
     for name in _BLAS_THREADS:  # before numpy is loaded: our matrices are small, threads only slow them down
         os.environ.setdefault(name, "1")
+    _draw_on_our_own_terms()
     with contextlib.suppress(ValueError):  # in a thread signals are not ours
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as by Ctrl-C, what was computed is written
     try:
@@ -61,6 +64,22 @@ def main(arguments: list[str] | None = None) -> None:
         _drop_standard_output()
         status = UNUSABLE
     sys.exit(status)
+
+
+def _draw_on_our_own_terms() -> None:
+    """Keep what a user's matplotlib is set to out of this process, before it is loaded: its ``backend`` need not even exist.
+
+    A notebook's backend comes with ``!pearlbvp``; a ``matplotlibrc`` may be broken, or ask for LaTeX that is not there.
+    """
+    if "matplotlib" in sys.modules:
+        return
+    os.environ |= {"MPLBACKEND": "agg", "MATPLOTLIBRC": os.devnull}
+    if not os.environ.get("SOURCE_DATE_EPOCH", "").isdigit():  # PDF and PostScript would end in a trace
+        os.environ["SOURCE_DATE_EPOCH"] = "0"  # the date in PostScript, which is otherwise another in every run
+    logging.getLogger("matplotlib").setLevel(logging.CRITICAL)  # of its folder for caches, which may be anywhere
+    if os.path.exists("matplotlibrc"):  # which beats all others
+        with contextlib.chdir(os.path.dirname(__file__)):
+            importlib.import_module("matplotlib")
 
 
 def _run(arguments: list[str] | None) -> int:

@@ -5,6 +5,10 @@ class InputError(ValueError):
     """An argument that cannot be used. The message is one line that names the argument and the remedy."""
 
 
+class SpectrumError(ArithmeticError):
+    """The growth rates of a solution cannot be computed; the message says why and what to do."""
+
+
 def interrupted(error: BaseException | None) -> bool:
     """Whether an error comes from an interruption by the user: compiled code turns that into others, one upon another."""
     while error is not None and not isinstance(error, KeyboardInterrupt):

@@ -9,37 +9,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from pearlbvp.errors import InputError
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-# Power of the length unit in each quantity: a tube of radius r has k/r, lambda2/r^3, length r*L, ... Growth
-# rates are those of the flow with velocity -dF, of dimension length^-3.
-LENGTH_POWER = {
-    "c0": -1, "period": 1, "L": 1, "k": -1, "lambda1": -2, "lambda2": -3, "lambda2_pearl": -3, "lambda2_upper": -3,
-    "E": -2, "E_least_energy": -2, "amplitude": 1, "r_min": 1, "r_max": 1,
-    "area": 2, "volume": 3, "mu_crit": -4, "mu_error": -4,
-}  # fmt: skip
+SHORT_WAVE = 4.0
+"""Wave number beyond which amplitudes and multipliers of a branch are measured by powers of it, as they are of its size."""
 
 LARGEST_C0, SHORTEST, LONGEST = 1e4, 1e-4, 1e8
 """Beyond these a number is a mistake of units, and arithmetic loses its digits."""
-
-
-def in_units_of_radius(table: pd.DataFrame, radius: float, **further: int) -> pd.DataFrame:
-    """A table of a tube of radius 1 as that of a tube of ``radius``: every column times its power of the radius.
-
-    Args:
-        table: of a tube of radius 1.
-        radius: of the other.
-        further: powers of columns beside ``LENGTH_POWER``.
-    """
-    if radius == 1:
-        return table
-    powers = LENGTH_POWER | further
-    return table.assign(**{name: table[name] * radius**p for name, p in powers.items() if name in table})
 
 
 def finite(name: str, value: float) -> float:
@@ -95,12 +72,6 @@ class Tube:
             raise InputError(
                 f"length: {self.length:g} radii is not between {SHORTEST:g} and {LONGEST:g}; check its unit"
             )
-
-    @classmethod
-    def from_dimensional(cls, c0: float, length: float, radius: float) -> Tube:
-        """The tube of radius 1 that a tube of any ``radius`` is similar to: ``c0 r``, ``L / r`` (paper, §1)."""
-        radius = positive("radius", radius)
-        return cls(finite("c0", c0) * radius, positive("length", length) / radius)
 
     def wave_number(self, m: int) -> float:
         """``k_m = 2 pi m / L``."""

@@ -45,9 +45,32 @@ def test_a_room_imports_only_from_below(room):
 
 
 def test_the_flow_s_driver_knows_no_discretization():
-    allowed = {"bordered", "driver", "integrator", "problem", "record", "steady", "spectrum", "errors", "newton"}
+    allowed = {
+        "bordered",
+        "driver",
+        "integrator",
+        "problem",
+        "record",
+        "steady",
+        "spectrum",
+        "errors",
+        "newton",
+        "units",
+    }
     for name in ("driver", "integrator", "steady", "record", "perturbation"):
         tree = ast.parse((PACKAGE / "flow" / f"{name}.py").read_text())
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("pearlbvp."):
                 assert node.module.split(".")[-1] in allowed, name
+
+
+def test_lengths_are_converted_in_one_place():
+    """Whoever else asks a tube's radius in the user's unit, or raises it to a power, converts by hand."""
+    asking = {
+        path.name
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if (isinstance(node, ast.Attribute) and node.attr == "radius")
+        or (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and "radius" in ast.unparse(node.left))
+    }
+    assert asking == {"units.py"}

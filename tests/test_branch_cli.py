@@ -182,3 +182,26 @@ def test_options_that_a_family_does_not_have(capsys, tmp_path, family, options, 
     status, out, err = run(capsys, "branch", family, *(saved if option == "SAVED" else option for option in options))
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert named in err
+
+
+@pytest.mark.parametrize("radius", [1.0, 0.37])
+def test_where_pearls_lose_their_symmetry_about_the_axis_the_command_is_said_that_follows_them_on_a_mesh(
+    capsys, tmp_path, radius
+):
+    """As it stands it follows the same pearls, on a mesh, in the user's unit."""
+    path, unit = tmp_path / "b.h5", [] if radius == 1 else ["--radius", radius]
+    given = ["--c0", repr(0.9 / radius), "--length", repr(12 * radius), *unit]
+    run(capsys, "branch", "pearl", *given, "--until", "v=1.0284", "--save", path)
+    status, _, err = run(capsys, "branch", "pearl", "--resume", path, "--max-points", 12, "--save", path, *unit)
+    assert status == 0, err
+    status, _, err = run(capsys, "branch", "pearl", "--resume", path, "--switch", 1, *unit)
+    assert status == 2
+    assert "n = 1 branch off" in err
+    assert f"lambda2 = {-0.19410923 / radius**3:.4g}, v = 1.02842" in err
+    command = err.split("pearlbvp ")[1].split(" --save")[0].split()
+    status, out, err = run(capsys, *command[: command.index("--nodes")], "--nodes", 200, "--max-points", 2)
+    assert status == 0, err
+    table = pd.read_csv(io.StringIO(out))
+    assert table["L"].iloc[0] == pytest.approx(12 * radius)
+    assert table["lambda2"].iloc[0] == pytest.approx(-0.06075744678 / radius**3, rel=2e-3)
+    assert table["n_unstable"].iloc[0] == 12

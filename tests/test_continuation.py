@@ -100,6 +100,19 @@ def test_at_a_pitchfork_even_functions_are_polynomials_of_the_square():
     (x,) = functions.crossings(0, 0.3)
     np.testing.assert_allclose(functions(np.array([x]))[0], [0.3, 0.09], atol=1e-14)
     assert functions.crossings(0, 7.0).size == 0
+    first, never = functions.first_crossings(0, np.array([0.3, 7.0]))
+    assert first == pytest.approx(x, abs=1e-14)
+    assert np.isnan(never)
+
+
+def test_the_first_of_several_crossings_lies_before_the_first_turn():
+    """Around the circle from the right: ``x = cos s`` falls through a level, comes back, and passes it again."""
+    path = follow(start(CIRCLE, [1, 0], [0, 1]), PathOptions(step=0.3, max_step=0.3, max_points=30), lambda p: None)
+    functions = resolve(path.points, lambda problem, u: u.copy())
+    levels = np.array([0.9, 0.2, -0.7])
+    np.testing.assert_allclose(functions(functions.first_crossings(0, levels))[:, 0], levels, atol=1e-12)
+    assert (functions(functions.first_crossings(0, levels))[:, 1] > 0).all()  # on the upper half, passed first
+    assert [len(functions.crossings(0, level)) for level in levels] == [2, 2, 2]
 
 
 def test_a_kink_between_two_points_is_unresolved():

@@ -5,8 +5,9 @@ import pandas as pd
 import pytest
 
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, cylinder_energy, cylinder_lambda1, in_units_of_radius
+from pearlbvp.helfrich import Tube, cylinder_energy, cylinder_lambda1
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate
+from pearlbvp.units import Units
 
 
 def test_cylinder_makes_the_energy_stationary():
@@ -23,15 +24,15 @@ def test_cylinder_makes_the_energy_stationary():
 
 
 def test_dimensional_tube():
-    tube = Tube.from_dimensional(0.24, 60.0, 2.0)
+    tube = Units(2.0).tube(0.24, 60.0)
     assert (tube.c0, tube.length) == (0.48, 30.0)
 
 
-def test_in_units_of_radius_follows_the_paper_s_dispersion_at_any_radius():
+def test_columns_in_other_units_follow_the_paper_s_dispersion_at_any_radius():
     # Paper, eq. (eigs) with r: mu = -q^2/2 + (r l2 + 1/r^2) q - (l2/r + 1/(2 r^4)) - (1/r - 2 c0) k^2/r, q = k^2 + n^2/r^2
     r, c0, k = 2.0, 0.2, 0.35
     table = pd.DataFrame({"k": [k * r], "lambda2": [float(critical_lambda2(k * r, 0, c0 * r))], "v": [1.2]})
-    scaled = in_units_of_radius(table, r)
+    scaled = Units(r).columns(table)
     lambda2 = scaled["lambda2"].iloc[0]
     q = k**2
     mu = -(q**2) / 2 + (r * lambda2 + r**-2) * q - (lambda2 / r + 0.5 * r**-4) - (1 / r - 2 * c0) * k**2 / r
@@ -44,7 +45,7 @@ def test_growth_rates_at_any_radius_are_the_paper_s():
     # the same equation away from its zero
     r, c0, k, lambda2 = 2.0, 0.2, 0.35, 0.3
     at_one = pd.DataFrame({"mu_crit": [float(growth_rate(k * r, 0, lambda2 * r**3, c0 * r))], "mu_error": [16.0]})
-    scaled = in_units_of_radius(at_one, r)
+    scaled = Units(r).columns(at_one)
     q = k**2
     mu = -(q**2) / 2 + (r * lambda2 + r**-2) * q - (lambda2 / r + 0.5 * r**-4) - (1 / r - 2 * c0) * k**2 / r
     assert abs(mu) > 0.01

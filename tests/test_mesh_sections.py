@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from pearlbvp.figures.surface import coordinates
+from pearlbvp.figures.surface import faces_of
 from pearlbvp.mesh.families import graded, jittered, tube_mesh
 from pearlbvp.mesh.functional import Functional
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -50,7 +50,7 @@ def test_pictures_show_a_period_between_planes():
     """Whole, plane at both ends, and oriented as the mesh is: area and volume are the polyhedron's, whatever is cut."""
     mesh = jittered(tube_mesh(L, 400), 0.1, 0, circles(1.5, 0.3))
     mesh = replace(mesh, vertices=mesh.vertices + np.array([0.3, 0, 0]))
-    corners = np.stack(coordinates(mesh), axis=-1)
+    corners = faces_of(mesh)
     assert (corners[..., 0].min(), corners[..., 0].max()) == pytest.approx((0, L), abs=1e-14)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
     assert np.linalg.norm(normals, axis=1).sum() == pytest.approx(mesh.area, rel=1e-12)

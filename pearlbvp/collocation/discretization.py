@@ -28,6 +28,8 @@ class Discretization:
         mesh: from 0 to 1, shape (N + 1,).
         parameters: all ``k`` parameters; the entries of free ones serve as first guesses only.
         free: names of the parameters that are unknowns.
+        weights: of the states and of all parameters in the inner product, shape (n + k,); 1 by default. They make one of what
+            differs in size.
     """
 
     problem: BoundaryValueProblem
@@ -35,6 +37,7 @@ class Discretization:
     mesh: Array
     parameters: Array
     free: tuple[str, ...]
+    weights: Array | None = None
 
     def __post_init__(self) -> None:
         unknown = set(self.free) - set(self.problem.parameters)
@@ -125,9 +128,16 @@ class Discretization:
             )
         )
 
+    def _weighted(self, u: Array) -> Array:
+        """Unknowns, shape (..., size), times their weights in the inner product."""
+        if self.weights is None:
+            return u
+        points, of_states = len(self.h) * self.scheme.m + 1, self.weights[: self.n]
+        return u * np.concatenate((np.tile(of_states, points), self.weights[self.n + self.free_index]))
+
     def inner(self, u: Array, v: Array) -> float:
-        """``integral of y_u . y_v dt + p_u . p_v``: independent of the mesh."""
-        k = len(self.free)
+        """``integral of y_u . y_v dt + p_u . p_v``, each product with its weight: independent of the mesh."""
+        k, u = len(self.free), self._weighted(u)
         states = integrated_product(self.scheme.values, self.gauss_weights, self.values(u), self.values(v))
         return float(states + u[u.size - k :] @ v[v.size - k :])
 
@@ -162,7 +172,7 @@ class Discretization:
             *self.problem.boundary_jacobian(values[0], values[-1], p),
             *self.problem.integrand_jacobian(t, y, p),
             self.free_index,
-            np.empty((0, u.size)) if row is None else row.reshape(-1, u.size),
+            np.empty((0, u.size)) if row is None else self._weighted(row.reshape(-1, u.size)),
         )
         return solve(self.scheme, system, rhs.reshape(self.size, -1)).reshape(rhs.shape)
 

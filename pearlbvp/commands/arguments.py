@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from pearlbvp.errors import InputError
+from pearlbvp.units import Sentence, Units
 
 
 class Numbers(click.ParamType):
@@ -37,6 +38,18 @@ def _option(param: click.Parameter | None) -> str:
     return param.opts[0] if param is not None else "argument"
 
 
+class Radius(click.ParamType):
+    """The radius of the straight tube in the user's unit of length, which everything is converted by."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Units:
+        """Parse the text."""
+        from pearlbvp.helfrich import positive
+
+        return value if isinstance(value, Units) else Units(positive(_option(param), value), given=True)
+
+
 class Nodes(click.ParamType):
     """Vertices of a mesh: a whole number."""
 
@@ -63,10 +76,11 @@ def check_meshable(length: float) -> None:
     from pearlbvp.mesh.families import MOST_NODES, fewest
 
     if (needed := fewest(length)) > MOST_NODES:
-        raise InputError(
-            f"--length: {length:g} radii are too long for a mesh, which would need {needed} nodes, of which {MOST_NODES} fit "
+        text = (
+            f"--length: {{L:g}} {{L_unit}} are too long for a mesh, which would need {needed} nodes, of which {MOST_NODES} fit "
             "in memory; give a shorter tube"
         )
+        raise InputError(Sentence(text, L=length))
 
 
 class Until(click.ParamType):

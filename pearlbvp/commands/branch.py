@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pearlbvp.helfrich import Tube
+    from pearlbvp.units import Units
 
 
 @click.command(
@@ -138,7 +139,7 @@ def branch(
     shrink: bool,
     out: Path | None,
     plot: Path | None,
-    radius: float,
+    units: Units,
 ) -> int:
     """Follow a branch of pearls, rings, coils or buckles, with special points and the stability of every point.
 
@@ -157,7 +158,6 @@ def branch(
     renewed, the branch jumps by the mesh's error. A branch on a mesh is resumed and switched under any family's name.
     """
     from pearlbvp.files import writable
-    from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius
 
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
@@ -207,7 +207,7 @@ def branch(
     known = None if resume is None else saved.load(resume)
     if known is not None:
         _check_kind(family, saved.kind_of(known), given)
-    wanted = {name: value / radius ** LENGTH_POWER.get(name, 0) for name, value in until}
+    wanted = {name: units.named_from_user(name, value) for name, value in until}
     with tqdm(unit="point", disable=None) as bar:
         checkpoint = _Checkpoint(save)
 
@@ -221,11 +221,11 @@ def branch(
         fixed: Any = "area" if pressure else "area and volume"
         found: Any
         if known is None:
-            tube = Tube.from_dimensional(c0, length, radius)  # type: ignore[arg-type]
+            tube = units.tube(c0, length)  # type: ignore[arg-type]
             if shape is not None:
-                scaled = [amplitude / radius for amplitude in shape]
+                waves = [units.from_user("shape", amplitude) for amplitude in shape]
                 found = study.shape_branch(
-                    tube.c0, tube.length, volume or 0, scaled, options, cells=cells, fixed=fixed, **accuracy
+                    tube.c0, tube.length, volume or 0, waves, options, cells=cells, fixed=fixed, **accuracy
                 )
             elif nodes is not None:
                 found = _on_a_mesh(family, tube, mode, options, nodes, kind=discretization, fixed=fixed)
@@ -239,13 +239,13 @@ def branch(
             found = saved.switched(known, switch, options, centre=centre, grow=not shrink)
         else:
             found = saved.resumed(known, options)
-    table = in_units_of_radius(found.table()[study.COLUMNS], radius)
+    table = units.columns(found.table()[study.COLUMNS])
     saves = [] if save is None else [lambda: saved.save(found, save)]
 
     def draw() -> Figure:
         from pearlbvp.figures.branch import draw_branch
 
-        return draw_branch(found, table)
+        return draw_branch(found, table, units=units)
 
     write(table, out, plot, draw, saves)
     if not found.complete:

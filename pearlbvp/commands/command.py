@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from pearlbvp.errors import InputError
+from pearlbvp.units import RADII, Units
 
 ALSO = {"length": ("--periods", "--period", "--lengths"), "v": ("--volume",)}
 """Options that hold what the package calls otherwise, where a command has none of its name."""
@@ -26,7 +27,7 @@ class Command(click.Command):
         try:
             return super().invoke(ctx)
         except InputError as error:
-            raise InputError(as_typed(str(error), self.params)) from None
+            raise InputError(as_typed(_units(ctx).said(error.args[0]), self.params)) from None
 
 
 def as_typed(message: str, params: Sequence[click.Parameter]) -> str:
@@ -51,5 +52,12 @@ def as_typed(message: str, params: Sequence[click.Parameter]) -> str:
 
 
 def of_this_command(message: str) -> str:
-    """The same, of the command that runs."""
-    return as_typed(message, click.get_current_context().command.params)
+    """The same, of the command that runs, in its user's unit."""
+    context = click.get_current_context()
+    return as_typed(_units(context).said(message), context.command.params)
+
+
+def _units(context: click.Context) -> Units:
+    """The unit of a command's numbers: by ``--radius`` where it has that."""
+    units: Units = context.params.get("units", RADII)
+    return units

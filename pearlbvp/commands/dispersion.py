@@ -14,6 +14,8 @@ from pearlbvp.commands.output import check_outputs, outputs, radius_option, writ
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pearlbvp.units import Units
+
 
 @click.command(cls=Command, epilog="Example:  pearlbvp dispersion --c0 0.48 --length 30")
 @click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
@@ -23,24 +25,24 @@ if TYPE_CHECKING:
 @outputs
 @radius_option
 def dispersion(
-    c0: float, length: float, max_m: int | None, max_n: int, out: Path | None, plot: Path | None, radius: float
+    c0: float, length: float, max_m: int | None, max_n: int, out: Path | None, plot: Path | None, units: Units
 ) -> int:
     """Branch points of the straight tube, and which of them end its stable interval.
 
     Columns: m, n (waves along and around), k, type, lambda2, lambda1, kernel (its dimension without
     translations), role (lower or upper: the ends of the interval in which the tube is stable).
     """
-    from pearlbvp.helfrich import Tube, in_units_of_radius
     from pearlbvp.studies.dispersion import branch_points, instability_curves
 
     out, plot = check_outputs(out, plot)
-    tube = Tube.from_dimensional(c0, length, radius)
+    tube = units.tube(c0, length)
     table = branch_points(tube.c0, tube.length, max_m, max_n)
+    written = units.columns(table)
 
     def draw() -> Figure:
         from pearlbvp.figures.dispersion import draw_dispersion
 
         curves = instability_curves(tube.c0, max(1.6, float(table["k"].max())), int(table["n"].max()))
-        return draw_dispersion(table, curves, f"c0 = {tube.c0:g}, L = {tube.length:g}")
+        return draw_dispersion(written, units.columns(curves), f"c0 = {c0:g}, L = {length:g}", units)
 
-    return write(in_units_of_radius(table, radius), out, plot, draw)
+    return write(written, out, plot, draw)

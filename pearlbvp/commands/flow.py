@@ -31,6 +31,8 @@ from pearlbvp.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pearlbvp.units import Units
+
 
 @click.command(
     cls=Command,
@@ -104,7 +106,7 @@ def flow(
     until: float | None,
     velocity: float,
     max_seconds: float,
-    radius: float,
+    units: Units,
     **start: Any,
 ) -> int:
     """Let a perturbed shape of a branch flow at fixed area and volume, until it rests on a stable shape.
@@ -125,16 +127,16 @@ def flow(
     that of length^4 (by --law diffusion of length^6). Saved flows are in radii: give --radius again to resume one.
     """
     from pearlbvp.files import writable, write_whole
-    from pearlbvp.helfrich import in_units_of_radius, positive
+    from pearlbvp.helfrich import positive
     from pearlbvp.studies import saved
 
-    radius, velocity = positive("radius", radius), positive("velocity", velocity)
+    velocity = positive("velocity", velocity)
     given, branch = given_options(click.get_current_context()), None
     if source is not None:
         branch = saved.load(source, "--from")
         start["family"] = saved.family_of(branch) if "family" not in given else start["family"]
     _refuse_idle(given, start, branch is not None and saved.kind_of(branch) == "mesh")
-    _in_radii(given, start, radius)
+    _in_radii(given, start, units)
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
     check_ending("--movie", movie, (".gif",))
@@ -150,46 +152,44 @@ def flow(
 
     from pearlbvp.flow.driver import NEXT, FlowOptions, resumed
     from pearlbvp.flow.driver import start as beginning
-    from pearlbvp.flow.record import length_powers
     from pearlbvp.studies import flow as study
+    from pearlbvp.units import NUMBER
 
     with tqdm(unit="step", disable=None) as bar:
 
         def checkpoint(state: Any) -> None:
-            bar.set_postfix(t=f"{state.t * unit:.5g}", refresh=False)
+            bar.set_postfix(t=f"{units.to_user('t', state.t):.5g}", refresh=False)
             bar.update(len(state.record.rows["t"]) - bar.n)
             if save is not None:
-                with contextlib.suppress(
-                    InputError
-                ):  # a full disk may have room again; the end says what was not saved
+                with contextlib.suppress(InputError):  # on a full disk, which may have room again
                     study.save(state, save)
 
-        state = beginning(*_start(branch, **start), radius) if resume is None else study.load(resume)
-        powers = length_powers(state.problem.law)
-        unit = radius ** powers["t"]
+        state = beginning(*_start(branch, **start)) if resume is None else study.load(resume)
+        units = units.of_flow(state.problem.law)
         settings: dict[str, Any] = {
-            "velocity": velocity / radius ** powers["velocity"] if "velocity" in given else velocity,
+            "velocity": units.from_user("velocity", velocity) if "velocity" in given else velocity,
             "max_seconds": max_seconds,
             "checkpoint": checkpoint,
             "every": 2.0,
         }
         if until is not None:
-            settings["until"] = positive("until", until) / unit
+            settings["until"] = units.from_user("t", positive("until", until))
             if settings["until"] <= state.t * (1 + NEXT):
-                raise InputError(f"--time: the saved flow is at t = {state.t * unit:g} already; give a later time")
+                now = units.to_user("t", state.t)
+                raise InputError(f"--time: the saved flow is at t = {now:g} already; give a later time")
         result = resumed(state, FlowOptions(**settings))
-    table = in_units_of_radius(result.table(), radius, **powers)
-    end = cache(lambda: _end(result, save_end, radius))  # which takes a while: after the table is written
+    table = units.columns(result.table(), area=NUMBER)  # by that of the straight tube
+    end = cache(lambda: _end(result, save_end, units))  # which takes a while: after the table is written
 
     def write_frames(path: Path) -> None:
         from pearlbvp.figures.flow import write_movie
 
-        write_movie(result.state, path, unit=unit)
+        write_movie(result.state, path, units=units)
 
     def draw() -> Figure:
         from pearlbvp.figures.flow import draw_flow
 
-        return draw_flow(result.state, table, unit=unit)
+        return draw_flow(result.state, table, units=units)
 
     others: list[Callable[[], object]] = []
     if save is not None:
@@ -200,7 +200,7 @@ def flow(
         others.append(lambda: write_whole("--movie", movie, write_frames))
     write(table, out, plot, draw, others)
     advice = f"; {result.advice}" if result.advice else ""
-    print(f"pearlbvp: {result.status}: {of_this_command(result.said.at(radius) + advice)}", file=sys.stderr)
+    print(f"pearlbvp: {result.status}: {of_this_command(units.said(result.reason) + advice)}", file=sys.stderr)
     branch, words = end()
     if words:
         print(f"pearlbvp: {words}", file=sys.stderr)
@@ -256,38 +256,35 @@ def _refuse_idle(given: set[str], start: dict[str, Any], on_mesh: bool) -> None:
             raise InputError(f"--{found[0].replace('source', 'from')}: {why}")
 
 
-def _in_radii(given: set[str], start: dict[str, Any], radius: float) -> None:
+def _in_radii(given: set[str], start: dict[str, Any], units: Units) -> None:
     """Turn lengths and their powers in the options of a start into those of a tube of radius 1; defaults are in radii."""
-    from pearlbvp.helfrich import LENGTH_POWER
-    from pearlbvp.studies.point import in_radii
-
-    powers = {"c0": -1, "length": 1, "delta": 1, "centre": 1, "xi": -2, "pressure": LENGTH_POWER["lambda2"]}
-    for name in given & powers.keys():
-        start[name] = start[name] / radius ** powers[name]
-    start["point"] = in_radii(start["point"], radius, LENGTH_POWER)
-    start["radius"] = radius
+    for name in given & {"c0", "length", "delta", "centre", "xi", "pressure"}:
+        start[name] = units.from_user(name, start[name])
+    start["point"] = units.place_from_user(start["point"])
+    start["units"] = units
 
 
-def _end(result: Any, save_end: Path | None, radius: float) -> tuple[Any, str]:
+def _end(result: Any, save_end: Path | None, units: Units) -> tuple[Any, str]:
     """What a flow rests on, as a branch of one point, and its stability to all perturbations, in words.
 
     Returns:
         The branch, or None where the end is no point of one; words, which say that where it matters.
     """
-    from pearlbvp.studies.flow_end import described, end_branch
+    from pearlbvp.studies.flow_end import described, end_branch, similarity
 
     try:
         branch = end_branch(result)
     except InputError as error:  # an end that is no point of a branch: the flow's own word stands
+        why = units.said(error.args[0])
         if save_end is not None:
-            return None, str(error).replace("flow:", "--save-end:", 1)
+            return None, why.replace("flow:", "--save-end:", 1)
         rests = result.equilibrium is not None and result.equilibrium.converged
-        return None, str(error).removeprefix("flow: ") if rests else ""
+        return None, why.removeprefix("flow: ") if rests else ""
     spectrum = branch.points[0].spectrum
     counted = f"n_unstable = {spectrum.n_unstable}"
     if result.state.problem.law != "diffusion":  # whose equilibria are stable alike, but at other rates
-        rate = spectrum.mu_crit / (result.equilibrium.observables["area"] * radius) ** 4  # similarity: studies.flow_end
-        counted += f", mu_crit = {rate:.4g} ({spectrum.critical})"
+        rate = similarity(result.equilibrium).to_user("mu_crit", spectrum.mu_crit)
+        counted += f", mu_crit = {units.to_user('mu_crit', rate):.4g} ({spectrum.critical})"
     return branch, f"{described(result.equilibrium)}; to all perturbations of this tube: {counted}"
 
 
@@ -295,7 +292,7 @@ def _start(
     branch: Any, *, family: str, c0: float | None, length: float | None, mode: tuple[int, int] | None, point: str,
     perturb: Any, delta: float, xi: float, centre: float, keep: bool, law: Any, tube: bool, points: int,
     size: tuple[int, int], profile: Path | None, mesh: Path | None, nodes: int | None, discretization: Any, pressure: float,
-    radius: float,
+    units: Units,
 ) -> tuple[Any, Any]:  # fmt: skip
     """Problem and coordinates of the start."""
     from pearlbvp.helfrich import finite
@@ -305,16 +302,16 @@ def _start(
     from pearlbvp.studies.point import chosen, sample
     from pearlbvp.studies.ring import reduced
     from pearlbvp.studies.tube import tube_branch
+    from pearlbvp.units import Sentence
 
     if profile is not None or mesh is not None:
         if c0 is None or length is None:
             raise InputError(f"--{'mesh' if profile is None else 'profile'}: it goes with --c0 and --length; give both")
         if profile is None:
-            return _of_a_file(mesh, radius, c0, length, discretization, law, pressure)  # type: ignore[arg-type]
+            return _of_a_file(mesh, units, c0, length, discretization, law, pressure)  # type: ignore[arg-type]
         x, r = _profile(profile)
-        return profile_start(
-            c0, length, x / radius, r / radius, points=points, law=law, pressure=pressure, radius=radius
-        )
+        x, r = units.from_user("x", x), units.from_user("r", r)
+        return profile_start(c0, length, x, r, points=points, law=law, pressure=pressure)
     if branch is None:
         if c0 is None or length is None:
             raise InputError("--c0, --length: give both, or a saved branch with --from")
@@ -340,10 +337,10 @@ def _start(
             else tube_branch(c0, length, family, (m, n), options)  # type: ignore[arg-type]
         )
         if not branch.complete:
-            raise InputError(
-                f"--point: {point} is not reached ({branch.reason}); follow the branch with pearlbvp branch --save, and give "
-                "that with --from"
-            )
+            (wanted, number), *_ = stop.items()
+            place = Sentence(f"--point: {wanted} = {{{wanted}:.9g}} is not reached (", **{wanted: number})
+            advice = "); follow the branch with pearlbvp branch --save, and give that with --from"
+            raise InputError(Sentence.joined(place, branch.reason, advice))
         point = "-1"
     at = chosen(branch, point, family)
     if nodes is not None or at.problem.stored_as == "mesh":
@@ -359,17 +356,14 @@ def _start(
 
 
 def _of_a_file(
-    path: Path, radius: float, c0: float, length: float, kind: Any, law: Any, pressure: float
+    path: Path, units: Units, c0: float, length: float, kind: Any, law: Any, pressure: float
 ) -> tuple[Any, Any]:
     """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
-    from dataclasses import replace
-
     from pearlbvp.mesh.files import read_mesh
     from pearlbvp.studies.flow_start import surface_start
 
-    found = read_mesh(path, length * radius)
-    found = replace(found, vertices=found.vertices / radius, length=length)
-    return surface_start(c0, found, kind=kind, law=law, pressure=pressure)
+    found = read_mesh(path, units.to_user("length", length))
+    return surface_start(c0, units.surface_from_user(found), kind=kind, law=law, pressure=pressure)
 
 
 def _profile(path: Path) -> tuple[Any, Any]:

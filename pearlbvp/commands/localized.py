@@ -15,6 +15,8 @@ from pearlbvp.commands.output import check_distinct, check_outputs, computed_asi
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pearlbvp.units import Units
+
 
 @click.command(
     cls=Command,
@@ -34,31 +36,32 @@ def localized(
     compare: Path | None,
     out: Path | None,
     plot: Path | None,
-    radius: float,
+    units: Units,
 ) -> int:
     """Where periodic pearls give way to one localized pearl, for many lengths at once.
 
     Columns: c0, period, L, pearls, status, lambda1, lambda2, v, E, amplitude, message. Status is found,
     unstable_at_onset, none_in_range, no_stable_cylinder or failed.
     """
-    from pearlbvp.helfrich import Tube, in_units_of_radius, positive
+    from pearlbvp.helfrich import positive
 
     out, plot = check_outputs(out, plot)
     start = None if compare is None else Path(os.path.realpath(compare))
     check_distinct({"--compare": start, "--out": out, "--plot": plot})
-    tube = Tube.from_dimensional(c0, positive("--period", period), positive("--radius", radius))
+    tube = units.tube(c0, positive("--period", period))
     reference = None
     if compare is not None:
         from pearlbvp.studies.reference import read_reference
 
         reference = read_reference(compare)
+    scaled = [units.from_user("L", length) for length in lengths]
     rows = computed_aside(
-        "pearlbvp.studies.localized", "localized_rows", tube.c0, tube.length, [length / radius for length in lengths],
+        "pearlbvp.studies.localized", "localized_rows", tube.c0, tube.length, scaled,
         figures="pearlbvp.figures.localized" if plot else None,
     )  # fmt: skip
     import pandas as pd
 
-    table = in_units_of_radius(pd.DataFrame(rows), radius)
+    table = units.columns(pd.DataFrame(rows))
     if reference is not None:
         from pearlbvp.studies.reference import beside
 
@@ -67,6 +70,6 @@ def localized(
     def draw() -> Figure:
         from pearlbvp.figures.localized import draw_localized
 
-        return draw_localized(table)
+        return draw_localized(table, units)
 
     return write(table, out, plot, draw)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +19,8 @@ from pearlbvp.errors import InputError
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
+
+    from pearlbvp.units import Units
 
 
 @click.command(
@@ -52,7 +53,7 @@ def mesh(
     solve: bool,
     out: Path | None,
     plot: Path | None,
-    radius: float,
+    units: Units,
 ) -> int:
     """Make a triangulated tube: the straight one, or any shape of a saved branch.
 
@@ -63,11 +64,8 @@ def mesh(
 
     The mesh is one period, cut where it begins again. A shape of a branch on a mesh comes with its own triangles.
     """
-    from pearlbvp.helfrich import LENGTH_POWER, Tube, in_units_of_radius, positive
-
     given = given_options(click.get_current_context())
     _refuse_idle(given)
-    positive("radius", radius)
     _, plot = check_outputs(None, plot)
     if out is not None:
         from pearlbvp.mesh.files import writable_mesh
@@ -81,34 +79,34 @@ def mesh(
     if source is None:
         from pearlbvp.mesh.families import tube_mesh
 
-        tube = Tube.from_dimensional(c0 or 0.0, length, radius)  # type: ignore[arg-type]
+        tube = units.tube(c0 or 0.0, length)  # type: ignore[arg-type]
         check_meshable(tube.length)
-        surface, title = tube_mesh(tube.length, nodes), f"straight tube, L = {tube.length:g}"
+        surface, title = tube_mesh(tube.length, nodes), f"straight tube, L = {length:g}"
         table = mesh_table(surface, tube.c0, discretization)
     else:
         from pearlbvp.studies import saved
-        from pearlbvp.studies.point import chosen, in_radii
+        from pearlbvp.studies.point import chosen
 
         branch = saved.load(source, "--from")
-        at = chosen(branch, in_radii(point, radius, LENGTH_POWER), saved.family_of(branch))
+        at = chosen(branch, units.place_from_user(point), saved.family_of(branch))
         own = sorted(given & {"nodes", "discretization"})
         if own and at.problem.stored_as == "mesh":
             raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
         surface, table = _of_a_point(at, nodes, discretization, solve)
-        title = f"v = {at.observables['v']:.4f}, L = {at.observables['L']:g}"
+        title = f"v = {at.observables['v']:.4f}, L = {units.to_user('L', at.observables['L']):g}"
     others: list[Callable[[], object]] = []
     if out is not None:
         from pearlbvp.mesh.files import write_mesh
 
-        scaled = replace(surface, vertices=radius * surface.vertices, length=radius * surface.length)
-        others.append(lambda: write_mesh(scaled, out))
+        others.append(lambda: write_mesh(units.surface(surface), out))
 
     def draw() -> Figure:
         from pearlbvp.figures.mesh import draw_mesh
 
-        return draw_mesh(surface, title=f"{title}: {surface.count} nodes, {len(surface.triangles)} triangles")
+        counted = f"{title}: {surface.count} nodes, {len(surface.triangles)} triangles"
+        return draw_mesh(units.surface(surface), title=counted, units=units)
 
-    status = write(in_units_of_radius(table, radius), None, plot, draw, others)
+    status = write(units.columns(table), None, plot, draw, others)
     if solve and abs(table["mu_crit"][0]) < DOUBTFUL * table["mu_error"][0]:
         print(
             "pearlbvp: mu_crit is not much larger than mu_error, so n_unstable is not certain; give more --nodes",

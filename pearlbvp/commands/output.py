@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import Number
+from pearlbvp.commands.arguments import Radius
 from pearlbvp.commands.command import of_this_command
 from pearlbvp.errors import InputError
+from pearlbvp.units import RADII
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,10 +44,10 @@ def outputs(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 radius_option = click.option(
-    "--radius", type=Number(), default=1.0, show_default=True, metavar="R",
+    "--radius", "units", type=Radius(), default=RADII, show_default="1: the unit is the radius", metavar="R",
     help="Radius of the straight tube, in the unit of all lengths given and written.",
 )  # fmt: skip
-"""For commands whose columns all have a dimension that is a power of length."""
+"""For commands that convert all that is given and written by the ``Units`` that they are called with."""
 
 
 def write_table(option: str, path: Path, table: pd.DataFrame) -> None:

@@ -14,6 +14,8 @@ from pearlbvp.commands.output import INTERRUPTED, check_outputs, outputs, radius
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pearlbvp.units import Units
+
 
 @click.command(cls=Command, epilog="Example:  pearlbvp period --c0 0.48 --lengths 7.5:120:0.5 --out p.csv --plot p.png")
 @click.option("--c0", type=Numbers(), required=True, help="Spontaneous curvature, one or several.")
@@ -31,27 +33,24 @@ def period(
     processes: int | None,
     out: Path | None,
     plot: Path | None,
-    radius: float,
+    units: Units,
 ) -> int:
     """The pearl period that appears on a tube, its stable range, and where a localized pearl takes over.
 
     Columns: c0, L, pearls, period, k, status, lambda2_pearl and lambda2_upper (ends of the straight tube's
     stable interval), upper_mode (m:n), v_localized, localized_status, message.
     """
-    from pearlbvp.helfrich import Tube, in_units_of_radius
     from pearlbvp.studies.period import pearl_periods
 
     out, plot = check_outputs(out, plot)
-    scaled = [[Tube.from_dimensional(value, length, radius) for length in lengths] for value in c0]
-    table = pearl_periods(
-        [tubes[0].c0 for tubes in scaled], [tube.length for tube in scaled[0]], v=volume, processes=processes
-    )
-    table = in_units_of_radius(table, radius)
+    tubes = [units.tube(c0[0], length) for length in lengths]
+    curvatures = [units.tube(value, lengths[0]).c0 for value in c0]
+    table = units.columns(pearl_periods(curvatures, [tube.length for tube in tubes], v=volume, processes=processes))
 
     def draw() -> Figure:
         from pearlbvp.figures.period import draw_periods
 
-        return draw_periods(table)
+        return draw_periods(table, units)
 
     status = write(table, out, plot, draw)
     return INTERRUPTED if len(table) < len(c0) * len(lengths) else status

@@ -14,6 +14,8 @@ from pearlbvp.commands.output import check_outputs, outputs, radius_option, writ
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pearlbvp.units import Units
+
 
 @click.command(
     cls=Command,
@@ -27,23 +29,22 @@ if TYPE_CHECKING:
 @outputs
 @radius_option
 def region(
-    c0: float, periods: list[float], pearls: list[float], out: Path | None, plot: Path | None, radius: float
+    c0: float, periods: list[float], pearls: list[float], out: Path | None, plot: Path | None, units: Units
 ) -> int:
     """Where periodic pearls are stable, in the plane of period and volume.
 
     Columns: those of `localized`, a row for each period and number of pearls. Where status is found, the pearls
     are stable from v = 1 to the v of the row.
     """
-    from pearlbvp.helfrich import Tube, in_units_of_radius
     from pearlbvp.studies.region import stability_region
 
     out, plot = check_outputs(out, plot)
-    tubes = [Tube.from_dimensional(c0, period, radius) for period in periods]
-    table = in_units_of_radius(stability_region(tubes[0].c0, [tube.length for tube in tubes], pearls), radius)
+    tubes = [units.tube(c0, period) for period in periods]
+    table = units.columns(stability_region(tubes[0].c0, [tube.length for tube in tubes], pearls))
 
     def draw() -> Figure:
         from pearlbvp.figures.region import draw_region
 
-        return draw_region(table)
+        return draw_region(table, units)
 
     return write(table, out, plot, draw)

@@ -18,7 +18,7 @@ from pearlbvp.continuation.events import Event, events_between, first_wanted
 from pearlbvp.continuation.path import P, Path, PathEnd, PathOptions, Point, steps
 from pearlbvp.continuation.problem import Array, Problem
 from pearlbvp.continuation.segment import Segment
-from pearlbvp.errors import interrupted
+from pearlbvp.errors import SpectrumError, interrupted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -91,6 +91,22 @@ class SpecialPoint(Generic[P]):
     change: int = 0
     converged: bool = True
     interval: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class UnknownSpectrum:
+    """In the place of growth rates that could not be computed: a start is shown, and saved, all the same."""
+
+    rates: Mapping[Any, Array] = field(default_factory=dict)
+    n_unstable: int = 0
+    complete: bool = False
+    mu_crit: float = math.nan
+    residual: float = math.nan
+    critical: str = ""
+
+    def to_tree(self) -> dict[str, Any]:
+        """Nothing, to be saved."""
+        return {}
 
 
 @dataclass(frozen=True)
@@ -208,16 +224,18 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
     Returns:
         The branch. It is whole up to its end whatever happens: a failing step is a ``reason``, an interruption too.
     """
-    points = [_with_spectrum(start)]
+    points: list[BranchPoint[P]] = []
     special: list[SpecialPoint[P]] = [SpecialPoint("start", 0)]
 
     def end(reason: str, kind: str = "end", advice: str = "") -> Branch[P]:
         if kind == "end" and reason != INTERRUPTED:
             reason += "".join(f"; {name} {MOVED_AWAY}" for name in _left_behind(points, options.until)) or advice
+        points.extend([] if points else [BranchPoint(start, UnknownSpectrum())])
         special.append(SpecialPoint(kind, len(points) - 1))
         return Branch(points, special, reason, kind == "stop")
 
     try:
+        points.append(_with_spectrum(start))
         path, tried = steps(start, options.path), math.inf
         while True:
             before, at_start = points[-1], at_bifurcation and len(points) == 1
@@ -252,7 +270,7 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
             if len(points) >= options.path.max_points:
                 advice = "; resume the branch or ask for more"
                 return end(f"max_points = {options.path.max_points} reached", advice=advice)
-    except PathEnd as failure:
+    except (PathEnd, SpectrumError) as failure:
         return end(str(failure))
     except np.linalg.LinAlgError as error:
         return end(f"a spectrum could not be computed ({error}); stop before, or take shorter steps")

@@ -68,6 +68,24 @@ class PathFunctions:
             found.extend(i + (np.clip(np.sort(real), -1, 1) + 1) / 2)
         return np.asarray(found)
 
+    def first_crossings(self, function: int, levels: Array) -> Array:
+        """For each level, shape (K,), the first ``x`` at which a function takes it; not a number where it never does.
+
+        Between its extrema the function is monotone: one bisection, of all levels at once, finds each in the first stretch
+        whose ends lie on both sides of it.
+        """
+        pieces = len(self.coefficients)
+        knots = np.unique(np.concatenate((np.arange(pieces + 1.0), self.crossings(function, derivative=1))))
+        above = self(knots)[:, function] - np.asarray(levels)[:, None] > 0
+        passed = above[:, :-1] != above[:, 1:]
+        stretch = passed.argmax(axis=1)
+        low, high, rising = knots[stretch], knots[stretch + 1], ~above[np.arange(len(levels)), stretch]
+        for _ in range(54):
+            middle = (low + high) / 2
+            beyond = (self(middle)[:, function] > levels) == rising
+            low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+        return np.where(passed.any(axis=1), (low + high) / 2, np.nan)
+
 
 @cache
 def _to_coefficients(degree: int) -> Array:

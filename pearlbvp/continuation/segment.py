@@ -138,5 +138,8 @@ class Segment(Generic[P]):
         end = next((s for s in ends if value(s) * at_first <= 0), None)
         if end is None:
             raise PathEnd("a sign change between two points is lost on the first one's mesh; take shorter steps")
-        s = float(brentq(value, 0.0, end, xtol=tolerance * (1 + abs(self.length)), rtol=1e-14, maxiter=60))
-        return self.point(s)
+        xtol = tolerance * (1 + abs(self.length))
+        s, how = brentq(value, 0.0, end, xtol=xtol, rtol=1e-14, maxiter=100, full_output=True, disp=False)
+        if not how.converged:
+            raise PathEnd("a sign change between two points cannot be located; take shorter steps")
+        return self.point(float(s))

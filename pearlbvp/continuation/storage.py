@@ -29,7 +29,7 @@ def branch_tree(branch: Branch[Any]) -> dict[str, Any]:
     numbers = {known: number for number, known in enumerate(problems)}
     return {
         "kind": kind.stored_as,
-        "reason": branch.reason,
+        "reason": str(branch.reason),  # a sentence with numbers as it is in radii, like all that is saved
         "complete": branch.complete,
         "problems": {str(number): problem.to_tree() for number, problem in enumerate(problems.values())},
         "points": {

@@ -11,9 +11,11 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.branch import draw_curve
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, own_style
+from pearlbvp.units import RADII
 
 
+@own_style()
 def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFrame | None, title: str = "") -> Figure:
     """Energy and pressure over the volume: predicted branches as lines, a computed one as points.
 
@@ -32,12 +34,13 @@ def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFram
         near = computed[computed["v"].between(volumes.min(), volumes.max())]
         left.plot(near["v"], near["E"], ".", color="black", label="computed")
         right.plot(near["v"], near["lambda2"], ".", color="black")
-    dress(left, "reduced volume v", "energy by area E/A", title)
-    dress(right, "reduced volume v", "pressure lambda2", "dashed: unstable at fixed area and volume")
-    left.legend(frameon=False, fontsize="small")
+    dress(left, RADII.axis_label("v"), RADII.axis_label("E"), title)
+    dress(right, RADII.axis_label("v"), RADII.axis_label("lambda2"), "dashed: unstable at fixed area and volume")
+    add_legend(left, fontsize="small")
     return figure
 
 
+@own_style()
 def draw_map(table: pd.DataFrame, exchange: pd.DataFrame) -> Figure:
     """Which mode destabilizes the tube over ``c0`` and ``L``, at the lower and the upper end of its stable interval.
 
@@ -48,17 +51,23 @@ def draw_map(table: pd.DataFrame, exchange: pd.DataFrame) -> Figure:
     figure, (left, right) = new_figure(1, 2, width=10.5, height=4.6)
     lower = table["lower_mode"] + np.where(table["lower_criticality"] == "subcritical", " sub", "")
     _draw_cells(left, table, lower)
-    dress(
-        left, "spontaneous curvature c0", "length L (radii)", "lower end: mode m:n that destabilizes (sub: subcritical)"
-    )
+    title = "lower end: mode m:n that destabilizes (sub: subcritical)"
+    dress(left, RADII.axis_label("c0"), RADII.axis_label("L"), title)
     upper = table["upper_mode"] + " " + table["stable"]
     _draw_cells(right, table, upper)
     visible = exchange[exchange["L"].between(table["L"].min(), table["L"].max())]
-    right.plot(visible["c0"], visible["L"], "k.", markersize=3, label="coils and buckles (1,1) exchange stability")
-    if len(visible):
-        right.legend(fontsize="x-small", loc="upper left")
-    dress(right, "spontaneous curvature c0", "", "upper end: mode m:n, and the family stable at onset")
+    right.plot(visible["c0"], visible["L"], "k.", markersize=3)
+    dress(
+        right,
+        RADII.axis_label("c0"),
+        "",
+        "upper end: mode m:n, and the family stable at onset\ndots: coils and buckles (1,1) exchange stability",
+    )
     return figure
+
+
+PAPER = {"facecolor": "white", "alpha": 0.6, "linewidth": 0, "pad": 1}
+"""What words are written on."""
 
 
 def _draw_cells(axes: Axes, table: pd.DataFrame, words: pd.Series) -> None:
@@ -94,4 +103,4 @@ def _draw_cells(axes: Axes, table: pd.DataFrame, words: pd.Series) -> None:
         if len(part) > 0.004 * len(grid):
             off = sum((part[q] - part[q].median()).abs() / max(np.ptp(grid[q]), 1e-9) for q in ("c0", "L"))
             middle = part.loc[off.idxmin()]
-            axes.text(middle["c0"], middle["L"], name, ha="center", va="center", fontsize=7)
+            axes.text(middle["c0"], middle["L"], name, ha="center", va="center", fontsize=7, bbox=PAPER)

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pearlbvp.continuation.branch import Branch, BranchPoint
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
 from pearlbvp.figures.surface import along, place_surfaces
+from pearlbvp.units import RADII, Units
 
 
 def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, label: str | None = None) -> None:
@@ -52,69 +53,92 @@ def _of_shapes(problem: Any) -> Any:
     return getattr(problem, "base", problem)
 
 
-def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
-    """Outlines of some shapes along a branch, one period each, above one another."""
+def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> bool:
+    """Outlines of some shapes along a branch, one period each, above one another; whether they are drawn to scale."""
     chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
-    height = 2.5 * max(branch.points[i].observables["r_max"] for i in chosen)
+    height = 3.0 * units.to_user("r_max", max(branch.points[i].observables["r_max"] for i in chosen))
     for place, index in enumerate(chosen):
         point = branch.points[index].point
         profile = _of_shapes(point.problem).profile(point.u)
-        x, r = profile.outline()
+        x, r = (units.to_user(name, values) for name, values in zip("xr", profile.outline(), strict=True))
         colour = _curve_colour(branch.points[index])
         for side in (1, -1):
             axes.plot(x, side * r - place * height, color=colour, linewidth=1.2)
+        axes.fill_between(x, r - place * height, -r - place * height, color=colour, alpha=0.12, linewidth=0)
         label = f"point {index}: v = {point.observables['v']:.4f}"
-        axes.text(x[-1] / 2, -(place + 0.5) * height, label, ha="center", va="center", fontsize=8)
-    axes.set_aspect("equal", adjustable="datalim")
+        axes.text(x[-1] / 2, -(place + 0.48) * height, label, ha="center", va="center", fontsize=8)
     axes.set_yticks([])
+    return _to_scale(axes, -(len(chosen) - 0.3) * height)
 
 
-def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4) -> None:
+def _to_scale(axes: Axes, lowest: float) -> bool:
+    """One scale along and across, down to the lowest words, unless that would leave nothing to see; whether it is."""
+    (left, right), high = axes.get_xlim(), axes.get_ylim()[1]
+    axes.set_ylim(lowest, high)
+    place, (wide, tall) = axes.get_position(), axes.figure.get_size_inches()  # type: ignore[union-attr]
+    sides = (place.width * wide, place.height * tall)
+    scales = (right - left) / sides[0], (high - lowest) / sides[1]
+    if not 1 / STRETCHED < scales[0] / scales[1] < STRETCHED:
+        return False
+    reach = [max(scales) * side / 2 for side in sides]
+    middle = (left + right) / 2, (lowest + high) / 2
+    axes.set(xlim=(middle[0] - reach[0], middle[0] + reach[0]), ylim=(middle[1] - reach[1], middle[1] + reach[1]))
+    return True
+
+
+STRETCHED = 4.0
+"""Ratio of the scales beyond which a picture is not drawn to one."""
+
+
+def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> None:
     """Cross-sections of some rings along a branch, side by side."""
-    width = 2.8 * max(entry.observables["r_max"] for entry in along(branch, count))
+    width = 2.8 * units.to_user("r_max", max(entry.observables["r_max"] for entry in along(branch, count)))
     for place, entry in enumerate(along(branch, count)):
-        y, z = _of_shapes(entry.point.problem).section(entry.point.u, 0.0)
+        section = _of_shapes(entry.point.problem).section(entry.point.u, 0.0)
+        y, z = (units.to_user(name, values) for name, values in zip("yz", section, strict=True))
         axes.plot(y + place * width, z, color=_curve_colour(entry), linewidth=1.2)
         label = f"v = {entry.observables['v']:.4f}"
         axes.text(place * width, -0.65 * width, label, ha="center", va="center", fontsize=8)
-    axes.set_aspect("equal", adjustable="datalim")
     axes.set_yticks([])
+    _to_scale(axes, -0.8 * width)
 
 
 def _curve_colour(entry: BranchPoint[Any]) -> str:
     return COLOURS[0] if entry.spectrum.n_unstable == 0 else COLOURS[1]
 
 
-def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "") -> Figure:
-    """Energy and pressure over the reduced volume, the two multipliers, and shapes."""
+@own_style()
+def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "", units: Units = RADII) -> Figure:
+    """Energy and pressure over the reduced volume, the two multipliers, and shapes.
+
+    Args:
+        branch: whose shapes are drawn.
+        table: its rows.
+        title: of the picture.
+        units: of the table, and of the shapes as they are drawn.
+    """
     figure, axes = new_figure(2, 2, width=9.5, height=7.5)
-    varied = next((name for name in ("c0", "L") if np.ptp(table[name]) > 1e-9), None)
+    varied = next((name for name in ("c0", "L") if np.ptp(table[name]) > 1e-9 * table[name].abs().max()), None)
     pairs = (("v", "E"), ("v", "lambda2"), ("lambda2", "lambda1"))
     if varied is not None:
         pairs = ((varied, "E"), (varied, "lambda2"), (varied, "v"))
-    names = {
-        "v": "reduced volume v",
-        "E": "energy by area E/A",
-        "lambda1": "tension lambda1",
-        "lambda2": "pressure lambda2",
-        "c0": "spontaneous curvature c0",
-        "L": "length L (radii)",
-    }
     for place, (x, y) in zip(axes.ravel(), pairs, strict=False):
         draw_curve(place, table, x, y, COLOURS[0])
-        dress(place, names[x], names[y], title if place is axes[0, 0] else "")
+        dress(place, units.axis_label(x), units.axis_label(y), title if place is axes[0, 0] else "")
     problem = _of_shapes(branch.points[0].point.problem)
     if problem.stored_as in ("tube", "mesh"):  # no single curve describes it
         figure.delaxes(axes[1, 1])
         points = along(branch)
         titles = [f"v = {point.observables['v']:.4f}" for point in points]
         place_surfaces(figure, (0.53, 0.02, 0.46, 0.42), points, titles, (2, 2))
-        figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize="medium")
+        figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize=9)
     elif problem.stored_as == "ring":
-        draw_sections(axes[1, 1], branch)
-        dress(axes[1, 1], "y (radii), shapes beside one another", "", "sections: stable blue, unstable brown")
+        draw_sections(axes[1, 1], branch, units=units)
+        beside = units.axis_label("y", "shapes beside one another, y")
+        dress(axes[1, 1], beside, "", "sections: stable blue, unstable brown")
     else:
-        draw_shapes(axes[1, 1], branch)
-        dress(axes[1, 1], "axial position x (radii)", "", "shapes: stable blue, unstable brown")
-    axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize="medium")
+        scale = "" if draw_shapes(axes[1, 1], branch, units=units) else ", not to scale"
+        dress(axes[1, 1], units.axis_label("x"), "", f"shapes: stable blue, unstable brown{scale}")
+    axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize=9)
+    note_unit(figure, units)
     return figure

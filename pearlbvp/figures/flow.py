@@ -3,85 +3,98 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure
-from pearlbvp.figures.surface import coordinates, show_surface
+from pearlbvp.figures.canvas import (
+    COLOURS,
+    add_legend,
+    dress,
+    new_blank,
+    new_figure,
+    note_unit,
+    own_style,
+    pixels,
+    save_movie,
+)
+from pearlbvp.figures.surface import box_of, show_surface
 from pearlbvp.flow.record import FlowState, Frame
+from pearlbvp.units import RADII, Units
 
 
-def draw_surface(axes: Any, frame: Frame, extent: float, along: int = 121, around: int = 37) -> None:
+def draw_surface(axes: Axes, frame: Frame, extent: float, along: int = 121, around: int = 37) -> None:
     """A shape seen from afar, lit from above, in a box of the same size for all frames."""
-    show_surface(axes, frame.problem.surface(frame.q, along, around), frame.problem.length / 2, extent)
+    surface = frame.problem.surface(frame.q, along, around)
+    show_surface(axes, surface, box_of([surface])[0], extent)
 
 
 def _extent(frames: list[Frame]) -> float:
     """Half the width of a box that holds all shapes."""
-    return 1.02 * max(
-        float(np.abs(part).max()) for f in frames for part in coordinates(f.problem.surface(f.q, 33, 25))[1:]
-    )
+    return 1.02 * box_of([frame.problem.surface(frame.q, 33, 25) for frame in frames])[1]
 
 
-def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", unit: float = 1.0) -> Figure:
+@own_style()
+def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", units: Units = RADII) -> Figure:
     """Energy, multipliers and velocity over time (logarithmic, from the first step on), and the first and last shape.
 
     Args:
         state: the flow's.
-        table: its rows, in any unit of length.
+        table: its rows.
         title: above the picture.
-        unit: of the table's times: what a time 1 of the state is there.
+        units: of the table.
     """
+    units = units.of_flow(state.problem.law)
+    time = units.axis_label("t")
     figure, axes = new_figure(2, 2, width=9.5, height=7.0)
     table = table[table["t"] > 0]
-    curves = (
-        (axes[0, 0], ("E",), "energy by area E/A"),
-        (axes[0, 1], ("lambda1", "lambda2"), "tension lambda1, pressure lambda2"),
-    )
+    multipliers = f"{units.axis_label('lambda1')},\n{units.axis_label('lambda2')}"
+    curves = ((axes[0, 0], ("E",), units.axis_label("E")), (axes[0, 1], ("lambda1", "lambda2"), multipliers))
     for place, names, label in curves:
         for name, colour in zip(names, COLOURS, strict=False):
             place.semilogx(table["t"], table[name], color=colour, linewidth=1.4, label=name)
-        dress(place, "time t", label, title if place is axes[0, 0] else "")
-    axes[0, 1].legend(frameon=False)
+        dress(place, time, label, title if place is axes[0, 0] else "")
+    add_legend(axes[0, 1])
     styles = (("velocity", "largest velocity"), ("area_error", "error of area"), ("volume_error", "error of volume"))
     for (name, label), colour in zip(styles, COLOURS, strict=False):
         axes[1, 0].loglog(table["t"], table[name].abs().clip(lower=1e-17), color=colour, linewidth=1.2, label=label)
-    axes[1, 0].legend(frameon=False, fontsize=8)
-    dress(axes[1, 0], "time t", "velocity, relative errors")
+    add_legend(axes[1, 0], fontsize=8)
+    dress(axes[1, 0], time, f"{units.axis_label('velocity', 'velocity')}, relative errors")
     axes[1, 1].set_axis_off()
     frames = state.record.frames
     left, bottom, width, height = axes[1, 1].get_position().bounds
     ends = (frames[0], frames[-1])
     for row, frame in enumerate(ends):
-        place = figure.add_axes(
-            (left - 0.03, bottom + (1 - row) * height / 2, width + 0.06, height / 2), projection="3d"
-        )
+        below = bottom + (1 - row) * height / 2
+        place = figure.add_axes((left, below, width, 0.4 * height))
         draw_surface(place, frame, _extent(list(ends)))
-        place.set_title(f"t = {frame.t * unit:.4g}", fontsize=8, y=0.93)
+        said = f"t = {units.to_user('t', frame.t):.4g}"
+        figure.text(left + width / 2, below + 0.43 * height, said, fontsize=8, ha="center")
+    note_unit(figure, units)
     return figure
 
 
-def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, unit: float = 1.0) -> None:
+@own_style()
+def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, units: Units = RADII) -> None:
     """The shapes on the way as a GIF; equal steps of energy and of the number of time steps share the frames.
 
-    Times written on them are those of the state times ``unit``.
+    Times are written on them in the user's unit.
     """
+    units = units.of_flow(state.problem.law)
     frames = state.record.frames
     chosen = [frames[i] for i in _evenly(state, min(count, len(frames)))]
-    figure = Figure(figsize=(6.0, 3.2), dpi=90)
-    axes = figure.add_axes((0, 0, 1, 0.92), projection="3d")
+    figure = new_blank(6.0, 3.2, dpi=90)
+    axes = figure.add_axes((0.02, 0.02, 0.96, 0.86))
     extent = _extent(chosen)
 
-    def show(index: int) -> list[Any]:
-        draw_surface(axes, chosen[index], extent, 61, 25)
-        axes.set_title(f"t = {chosen[index].t * unit:.4g}", fontsize=9)
-        return [axes]
-
-    FuncAnimation(figure, show, frames=len(chosen)).save(path, writer=PillowWriter(fps=rate))
+    images = []
+    for frame in chosen:
+        draw_surface(axes, frame, extent, 61, 25)
+        axes.set_title(f"t = {units.to_user('t', frame.t):.4g}", fontsize=9)
+        images.append(pixels(figure))
+    save_movie(images, path, rate)
 
 
 def _evenly(state: FlowState, count: int) -> list[int]:

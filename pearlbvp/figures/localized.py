@@ -5,11 +5,18 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
+from pearlbvp.units import RADII, Units
 
 
-def draw_localized(table: pd.DataFrame) -> Figure:
-    """Reduced volume and ``lambda2`` of the branch points against ``L``; columns named ``v_...`` are drawn beside."""
+@own_style()
+def draw_localized(table: pd.DataFrame, units: Units = RADII) -> Figure:
+    """Reduced volume and ``lambda2`` of the branch points against ``L``; columns named ``v_...`` are drawn beside.
+
+    Args:
+        table: from ``studies.localized.localized_pearls``.
+        units: of the table.
+    """
     figure, (left, right) = new_figure(1, 2, width=9.5, height=4.0)
     found = table[table["status"] == "found"].sort_values("L")
     left.plot(found["L"], found["v"], "o-", color=COLOURS[0], label="pearlbvp", markersize=5)
@@ -20,12 +27,14 @@ def draw_localized(table: pd.DataFrame) -> Figure:
                   label=name[2:].replace("_", " "))  # fmt: skip
     right.plot(found["L"], found["lambda2"], "o-", color=COLOURS[0], markersize=5)
     title = f"c0 = {table['c0'].iloc[0]:g}, pearls of period {table['period'].iloc[0]:g}"
-    dress(left, "tube length L (radii)", "reduced volume v at the branch point", title)
-    dress(right, "tube length L (radii)", "pressure difference lambda2 at the branch point", "localized single pearl")
+    along = units.axis_label("L", "tube length L")
+    pressure = units.axis_label("lambda2", "lambda2 at the branch point")
+    dress(left, along, "reduced volume v at the branch point", title)
+    dress(right, along, pressure, "localized single pearl")
+    note_unit(figure, units)
     for axes in (left, right):
-        axes.ticklabel_format(useOffset=False)
         if found.empty:
             axes.text(0.5, 0.5, "no branch point found", transform=axes.transAxes, ha="center")
     if others and not found.empty:
-        left.legend(frameon=False)
+        add_legend(left)
     return figure

@@ -6,7 +6,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
+from pearlbvp.units import RADII, Units
 
 
 def _plot_by_pearls(axes: Axes, rows: pd.DataFrame, column: str, colour: str, label: str) -> None:
@@ -15,8 +16,14 @@ def _plot_by_pearls(axes: Axes, rows: pd.DataFrame, column: str, colour: str, la
         axes.plot(same["L"], same[column], ".-", color=colour, markersize=3, label=label if i == 0 else None)
 
 
-def draw_periods(table: pd.DataFrame) -> Figure:
-    """Pearl period, stable interval of ``lambda2`` and onset of the localized pearl against ``L``, a colour a ``c0``."""
+@own_style()
+def draw_periods(table: pd.DataFrame, units: Units = RADII) -> Figure:
+    """Pearl period, stable interval of ``lambda2`` and onset of the localized pearl against ``L``, a colour a ``c0``.
+
+    Args:
+        table: from ``studies.period.pearl_periods``.
+        units: of the table.
+    """
     figure, (top, middle, bottom) = new_figure(3, 1, height=8.5, sharex=True)
     for i, (c0, rows) in enumerate(table.sort_values("L").groupby("c0")):
         colour = COLOURS[i % len(COLOURS)]
@@ -26,10 +33,11 @@ def draw_periods(table: pd.DataFrame) -> Figure:
         middle.fill_between(rows["L"].to_numpy(float), rows["lambda2_pearl"].to_numpy(float),
                             rows["lambda2_upper"].to_numpy(float), color=colour, alpha=0.12)  # fmt: skip
         _plot_by_pearls(bottom, rows, "v_localized", colour, "")
-    dress(top, "", "pearl period L / m (radii)", "first pearls of a straight tube")
-    dress(middle, "", "lambda2: pearls (solid),\nfirst other mode (dotted)", "stable range of the straight tube")
-    dress(bottom, "tube length L (radii)", "reduced volume v", "where the localized pearl branches off")
-    bottom.ticklabel_format(useOffset=False)
+    dress(top, "", units.axis_label("period", "pearl period L / m"), "first pearls of a straight tube")
+    interval = units.axis_label("lambda2", "solid: pearls, dotted:\nfirst other mode; lambda2")
+    dress(middle, "", interval, "stable range of the straight tube")
+    dress(bottom, units.axis_label("L", "tube length L"), "reduced volume v", "where the localized pearl branches off")
+    note_unit(figure, units)
     if top.get_legend_handles_labels()[0]:
-        top.legend(frameon=False)
+        add_legend(top)
     return figure

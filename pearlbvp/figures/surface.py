@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import LightSource
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LightSource, to_rgb
 from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchPoint
-from pearlbvp.figures.canvas import new_blank
+from pearlbvp.figures.canvas import new_blank, own_style
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.sections import one_period
 
@@ -23,6 +24,9 @@ Surface = tuple[Array, Array, Array]
 """``x, y, z`` of points along (rows) and around (columns) a tube, closed around."""
 
 LIGHT = LightSource(azdeg=225, altdeg=50)
+
+DARKEST = 0.35
+"""Brightness of what faces away from the light."""
 
 
 def surface_of(point: Any) -> Surface | PeriodicMesh:
@@ -39,14 +43,14 @@ def surface_of(point: Any) -> Surface | PeriodicMesh:
         return mesh
     if problem.stored_as == "tube":
         problem, u = problem.released(u, "lambda1", "lambda2", "v")  # whatever varies, at the shape's own length
-        x = np.linspace(0, problem.length, max(2, round(6 * problem.length)) + 1)
+        x = np.linspace(0, problem.length, max(24, round(6 * problem.length)) + 1)
         # Piece by piece, for the memory of all modes at all points.
         pieces = [problem.surface(u, part, 64) for part in np.array_split(x, max(1, len(x) // 10))]
         x, y, z = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
         return x, y, z
     profile = problem.profile(point.u)
     if hasattr(profile, "curve"):  # a ring: the same section everywhere
-        x, y, z = profile.surface(problem.length, along=round(4 * problem.length) + 1, around=97)
+        x, y, z = profile.surface(problem.length, along=max(2, round(4 * problem.length)) + 1, around=97)
         return x, y, z
     return repeated(profile.surface(), profile.period, max(1, round(point.observables["L"] / profile.period)))
 
@@ -59,47 +63,82 @@ def repeated(surface: Surface, period: float, count: int) -> Surface:
     return along, across[0], across[1]
 
 
-def coordinates(surface: Surface | PeriodicMesh) -> Surface:
-    """``x, y, z`` of a surface's points; of a mesh those of its triangles' corners, (T, 3), cut off at the ends."""
+def faces_of(surface: Surface | PeriodicMesh) -> Array:
+    """Corners of a surface's quadrangles or triangles, shape (F, 4 or 3, 3), in one sense as seen from outside."""
     if isinstance(surface, PeriodicMesh):
-        corners = one_period(surface)
-        return corners[..., 0], corners[..., 1], corners[..., 2]
-    return surface
+        return np.asarray(one_period(surface))
+    points = np.stack(surface, axis=-1)
+    faces = np.stack((points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]), axis=2)
+    outwards = (faces - points.mean(axis=1)[:-1, None, None]).mean(axis=2)
+    faces = faces.reshape(-1, 4, 3)
+    inside_out = np.sum(_normals(faces) * outwards.reshape(-1, 3)) < 0
+    return faces[:, ::-1] if inside_out else faces
+
+
+def _normals(faces: Array) -> Array:
+    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, -1] - faces[:, 0])
+    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
+
+
+def view(elevation: float, azimuth: float) -> Array:
+    """Rows: the directions to the right, upwards and towards a viewer who is far away; angles in degrees.
+
+    From an azimuth of -90 the tube's axis runs to the right in its full length.
+    """
+    elevation, azimuth = np.deg2rad(elevation), np.deg2rad(azimuth)
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    towards = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
+    return np.array([right, np.cross(towards, right), towards])
+
+
+def box_of(surfaces: Sequence[Surface | PeriodicMesh]) -> tuple[float, float]:
+    """Half the size, along and across the axis, of a box that holds all of some surfaces."""
+    corners = [faces_of(surface) for surface in surfaces]
+    half_length = max(float(np.ptp(faces[..., 0])) for faces in corners) / 2
+    return half_length, max(float(np.abs(faces[..., 1:]).max()) for faces in corners)
+
+
+AFAR = view(20, -60)
+"""How shapes are shown."""
+
+
+def add_faces(axes: Axes, faces: Array, colours: Array, seen_from: Array, edges: Any = "face") -> None:
+    """Faces as a viewer sees them, lit from above, the farthest drawn first.
+
+    Args:
+        axes: plain ones.
+        faces: corners, shape (F, corners, 3).
+        colours: red, green and blue of all or of each face.
+        seen_from: a ``view``.
+        edges: their colour, or ``face`` for that of the face, so that no seams show.
+    """
+    seen = faces @ seen_from.T
+    order = np.argsort(seen[..., 2].mean(axis=1))
+    light = DARKEST + (1 - DARKEST) * LIGHT.shade_normals(_normals(faces))
+    lit = (light[:, None] * colours)[order]
+    width = 0.7 if isinstance(edges, str) else 0.2
+    axes.add_collection(PolyCollection(list(seen[order, :, :2]), facecolors=lit, edgecolors=edges, linewidths=width))
 
 
 def show_surface(
-    axes: Any,
-    surface: Surface | PeriodicMesh,
-    half_length: float,
-    extent: float,
-    colour: str = PLAIN,
-    zoom: float = 1.9,
+    axes: Axes, surface: Surface | PeriodicMesh, half_length: float, extent: float, colour: str = PLAIN
 ) -> None:
-    """A tube seen from afar, lit from above, in a box of given size.
+    """A tube seen from afar, lit from above, in a box of given size: what is farther away is drawn first.
+
+    The axes are plain ones, whose limits are those of the box as it is seen, so that nothing is drawn outside of them.
 
     Args:
-        axes: three-dimensional axes; what they showed is cleared.
+        axes: what they showed is cleared.
         surface: the tube; the middle of its length is put into the middle of the box.
         half_length, extent: half the size of the box along and across the axis.
         colour: of the surface.
-        zoom: how much larger than the axes' square the box is shown.
     """
-    x, y, z = coordinates(surface)
-    x = x - (x.min() + x.max()) / 2
+    faces = faces_of(surface)
+    faces = faces - np.array([(faces[..., 0].min() + faces[..., 0].max()) / 2, 0.0, 0.0])
     axes.clear()
-    if isinstance(surface, PeriodicMesh):
-        corners = np.stack((x, y, z), axis=-1)
-        shaded = Poly3DCollection(corners, facecolors=colour, shade=True, lightsource=LIGHT, antialiased=False)
-        drawn = axes.add_collection3d(shaded)
-    else:
-        drawn = axes.plot_surface(
-            x, y, z, rstride=1, cstride=1, color=colour, linewidth=0, antialiased=False, lightsource=LIGHT
-        )
-    drawn.set_clip_on(False)  # three-dimensional axes are square, tubes are not
-    axes.set(xlim=(-half_length, half_length), ylim=(-extent, extent), zlim=(-extent, extent))
-    axes.set_proj_type("ortho")
-    axes.set_box_aspect((2 * half_length, 2 * extent, 2 * extent), zoom=zoom)
-    axes.view_init(elev=20, azim=-60)
+    add_faces(axes, faces, np.array(to_rgb(colour)), AFAR)
+    box = np.abs(AFAR[:2]) @ np.array([half_length, extent, extent])
+    axes.set(xlim=(-box[0], box[0]), ylim=(-box[1], box[1]), aspect="equal")
     axes.set_axis_off()
 
 
@@ -108,6 +147,7 @@ def colour_of(point: BranchPoint[Any]) -> str:
     return STABLE if point.spectrum.n_unstable == 0 else UNSTABLE
 
 
+@own_style()
 def draw_surfaces(points: Sequence[BranchPoint[Any]], titles: Sequence[str] = (), columns: int = 4) -> Figure:
     """Solutions beside one another, stable ones blue, unstable ones brown, all to one scale.
 
@@ -142,17 +182,14 @@ def place_surfaces(
         grid: rows and columns.
     """
     surfaces = [surface_of(point) for point in points]
-    extent = max(float(np.abs(part).max()) for surface in surfaces for part in coordinates(surface)[1:])
-    half_length = max(float(np.ptp(coordinates(surface)[0])) for surface in surfaces) / 2
+    half_length, extent = box_of(surfaces)
     left, bottom, width, height = box[0], box[1], box[2] / grid[1], box[3] / grid[0]
     for place, (point, surface, title) in enumerate(zip(points, surfaces, titles, strict=True)):
         row, column = divmod(place, grid[1])
         corner = left + column * width, bottom + (grid[0] - 1 - row) * height
-        axes = figure.add_axes((*corner, width, 0.92 * height), projection="3d")
-        # A box this large fills most of the width of its place.
-        zoom = 0.9 * (width * figure.get_figwidth()) / (0.92 * height * figure.get_figheight())
-        show_surface(axes, surface, half_length, extent, colour_of(point), zoom)
-        axes.set_title(title, fontsize=8, y=0.98)
+        axes = figure.add_axes((corner[0] + 0.03 * width, corner[1] + 0.04 * height, 0.94 * width, 0.8 * height))
+        show_surface(axes, surface, half_length, extent, colour_of(point))
+        figure.text(corner[0] + width / 2, corner[1] + 0.88 * height, title, fontsize=8, ha="center")
 
 
 def along(branch: Branch[Any], count: int = 4) -> list[BranchPoint[Any]]:

@@ -26,8 +26,9 @@ import numpy as np
 
 from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Said, Trouble, check_law
+from pearlbvp.flow.problem import Array, Law, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
+from pearlbvp.units import Sentence
 
 MOST_POINTS = 1024
 
@@ -299,10 +300,10 @@ class GraphFlow:
         slope = np.abs(self.d1 @ q) / r
         thin, steep = int(r.argmin()), int(slope.argmax())
         if r[thin] < self.thinnest:
-            where = Said("the neck at x = {:.4g} has a radius of {:.1e}", ((self.x[thin], 1), (r[thin], 1)))
+            where = Sentence("the neck at x = {x:.4g} has a radius of {r:.1e}", x=self.x[thin], r=r[thin])
             return Trouble("pinch", where, "the surface is about to touch its axis; stop before, or change the volume")
         if slope[steep] > self.steepest:
-            where = Said("the profile at x = {:.4g} has slope {:.0f}", ((self.x[steep], 1), (slope[steep], 0)))
+            where = Sentence("the profile at x = {x:.4g} has slope {slope:.0f}", x=self.x[steep], slope=slope[steep])
             return Trouble("overhang", where, "it is about to be no graph over the axis; use a triangulated tube")
         return None
 

@@ -24,9 +24,10 @@ import numpy as np
 
 from pearlbvp.errors import InputError, interrupted
 from pearlbvp.flow.integrator import Tolerances, integrator
-from pearlbvp.flow.problem import Array, FlowProblem, Said
-from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState, Record, Status, length_powers
+from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState, Record, Status
 from pearlbvp.flow.steady import polished
+from pearlbvp.units import Sentence
 
 
 @dataclass(frozen=True)
@@ -98,12 +99,11 @@ def first_rates(problem: FlowProblem, q: Array) -> tuple[Array, Array, bool]:
     return -problem.resistance(q, force + columns @ multipliers), multipliers, parallel
 
 
-def start(problem: FlowProblem, q: Array, radius: float = 1.0) -> FlowState:
+def start(problem: FlowProblem, q: Array) -> FlowState:
     """The state of a flow at time 0, its constraints those of the shape.
 
     Args:
         problem, q: the shape.
-        radius: of the tube in the user's unit, in which an error says where the shape cannot be used.
 
     Raises:
         InputError: the shape is no surface, or is the straight tube, which rests and where the constraints are parallel.
@@ -115,7 +115,7 @@ def start(problem: FlowProblem, q: Array, radius: float = 1.0) -> FlowState:
         )
     trouble = problem.trouble(q)
     if trouble is not None:
-        raise InputError(f"shape: {trouble.place.at(radius)}; start from a smoother shape")
+        raise InputError(Sentence.joined("shape: ", trouble.place, "; start from a smoother shape"))
     rate, multipliers, parallel = first_rates(problem, q)
     if parallel and np.abs(problem.velocity(q, rate)).max() < 1e-9:
         raise InputError(
@@ -172,8 +172,7 @@ def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
             raise
         ending = INTERRUPTED
     status, reason, advice, equilibrium = ending
-    power = length_powers(run.state.problem.law)["t"]
-    said = Said("at t = {:.6g} " + reason.text, ((run.state.t, power), *reason.numbers))
+    said = Sentence.joined(Sentence("at t = {t:.6g} ", t=run.state.t), reason)
     return FlowResult(run.state, status, said, advice, equilibrium)
 
 
@@ -181,12 +180,12 @@ class _Ending(NamedTuple):
     """How a run ends; see ``FlowResult``."""
 
     status: Status
-    reason: Said
+    reason: str
     advice: str = ""
     equilibrium: Equilibrium | None = None
 
 
-INTERRUPTED = _Ending("interrupted", Said("it was interrupted"), "resume it, if it was saved")
+INTERRUPTED = _Ending("interrupted", "it was interrupted", "resume it, if it was saved")
 
 
 class _Run:
@@ -209,7 +208,7 @@ class _Run:
     def to_its_end(self) -> _Ending:
         """Step until something ends the flow."""
         if self.options.until <= self.state.t * (1 + NEXT):
-            return _Ending("time", Said("the time asked for is over"))
+            return _Ending("time", "the time asked for is over")
         while True:
             ending = self._step()
             if ending is None:
@@ -253,8 +252,7 @@ class _Run:
         self.failures += 1
         if self.failures > RESTARTS:
             trouble = self.state.problem.trouble(self.state.q)
-            near = Said("; " + trouble.place.text, trouble.place.numbers) if trouble else Said("")
-            reason = Said("the solver gave up ({})" + near.text, ((message, 0), *near.numbers))
+            reason = Sentence.joined(f"the solver gave up ({message})", *(("; ", trouble.place) if trouble else ()))
             return _Ending("stalled", reason, "loosen rtol, or take more points")
         rate, multipliers, _ = first_rates(self.state.problem, self.state.q)
         self._restart(replace(self.state, rate=rate, multipliers=multipliers))
@@ -266,7 +264,7 @@ class _Run:
         try:
             found = problem.remeshed(self.state.q)
         except InputError as error:
-            reason = Said("no mesh fits the surface any more ({})", ((error, 0),))
+            reason = f"no mesh fits the surface any more ({error})"
             return _Ending("unresolved", reason, "give more nodes")
         if found is not None:
             self._go_on(*found)
@@ -293,7 +291,7 @@ class _Run:
             self._go_on(*finer)
             self.least, self.rest.reached = math.inf, False
         elif detail > UNRESOLVED:
-            where = Said("the shape has finer details than can be described")
+            where = "the shape has finer details than can be described"
             return _Ending("unresolved", where, "stop before, or choose another discretization")
         return None
 
@@ -309,28 +307,31 @@ class _Run:
             return _Ending("saddle", self._rests(end), "perturb that shape by its most unstable vector", end)
         return None
 
-    def _rests(self, end: Equilibrium) -> Said:
+    def _rests(self, end: Equilibrium) -> Sentence:
         """What a flow at rest says of its shape."""
-        problem, powers = self.state.problem, length_powers(self.state.problem.law)
         stable = "stable" if end.stable else "unstable"
-        text = f"it rests on a shape that is {stable} among {problem.space}: the largest growth rate is {{:.3g}}"
-        rate, whole = (end.growth_rates[0], -powers["t"]), self.state.record.rows["velocity"][-1]
+        said = Sentence(
+            f"it rests on a shape that is {stable} among {self.state.problem.space}: the largest growth rate is {{rate:.3g}}",
+            rate=float(end.growth_rates[0]),
+        )
+        whole = self.state.record.rows["velocity"][-1]
         if whole <= self.options.velocity:
-            return Said(text, (rate,))
-        text += "; as a whole it creeps at {:.1e}, by the mesh's error"
-        return Said(text, (rate, (whole, powers["velocity"])))
+            return said
+        return Sentence.joined(
+            said, Sentence("; as a whole it creeps at {velocity:.1e}, by the mesh's error", velocity=whole)
+        )
 
     def _caps(self) -> _Ending | None:
         """The limits of time and effort; now and then a checkpoint."""
         o, now = self.options, time.monotonic()
         if self.state.t >= o.until:
-            return _Ending("time", Said("the time asked for is reached"))
+            return _Ending("time", "the time asked for is reached")
         if self.steps >= o.max_steps:
-            return _Ending("steps", Said(f"max_steps = {self.steps} are done"), "resume it, or take more steps")
+            return _Ending("steps", f"max_steps = {self.steps} are done", "resume it, or take more steps")
         if now - self.begun > o.max_seconds:
             return _Ending(
                 "seconds",
-                Said(f"max_seconds = {o.max_seconds:g} are over"),
+                f"max_seconds = {o.max_seconds:g} are over",
                 "resume it, if it was saved, or give it more time",
             )
         if now - self.saved > o.every:

@@ -21,13 +21,14 @@ from scipy.sparse.linalg import splu
 
 from pearlbvp.bordered import factorized
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Said, Trouble, check_law
+from pearlbvp.flow.problem import Array, Law, Trouble, check_law
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.sections import distances, radii
 from pearlbvp.mesh.spectrum import Fixed, independent
+from pearlbvp.units import Sentence
 
 UNRESOLVED = 0.45
 """Radius of a neck by the length of its longest edges at which a flow ends; at 0.4 a limit surface's control mesh closes."""
@@ -224,10 +225,10 @@ class MeshFlow:
         thin = int(radius.argmin())
         longest = float(np.linalg.norm(surface.edge_vectors[surface.tail == thin], axis=1).max())
         if radius[thin] < UNRESOLVED * longest:
-            numbers = ((surface.vertices[thin, 0] % self.length, 1), (thin, 0), (radius[thin], 1), (longest, 1))
-            place = Said(
-                "the neck at x = {:.4g} (vertex {}) has a radius of {:.2g}, its edges are {:.2g} long", numbers
-            )
+            place = Sentence(
+                "the neck at x = {x:.4g} (vertex {vertex}) has a radius of {r:.2g}, its edges are {edge:.2g} long",
+                x=surface.vertices[thin, 0] % self.length, vertex=thin, r=radius[thin], edge=longest,
+            )  # fmt: skip
             return Trouble("pinch", place, "stop before, change the volume, or give more nodes to follow it further")
         return None
 

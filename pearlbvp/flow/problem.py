@@ -36,33 +36,17 @@ def check_law(law: str, diffusion: bool = False) -> None:
         raise InputError("law: the H^-1 flow is built for axisymmetric shapes; choose 'area and volume' or 'area'")
 
 
-class Said(NamedTuple):
-    """A sentence with numbers of some dimension, which can be read in any unit of length.
-
-    Attributes:
-        text: a field of ``str.format`` for each number.
-        numbers: each with its power of length; words have none (0).
-    """
-
-    text: str
-    numbers: tuple[tuple[Any, int], ...] = ()
-
-    def at(self, radius: float = 1.0) -> str:
-        """The sentence on a tube of some radius."""
-        return self.text.format(*(number * radius**power if power else number for number, power in self.numbers))
-
-
 class Trouble(NamedTuple):
     """Why a surface can no longer be described.
 
     Attributes:
         kind: ``pinch`` or ``overhang``.
-        place: where.
+        place: where, a ``Sentence`` with its lengths.
         advice: what to do about it.
     """
 
     kind: Literal["pinch", "overhang"]
-    place: Said
+    place: str
     advice: str
 
 

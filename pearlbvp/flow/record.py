@@ -8,20 +8,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from pearlbvp.flow.problem import Array, FlowProblem, Said
+from pearlbvp.flow.problem import Array, FlowProblem
 
 if TYPE_CHECKING:
     import pandas as pd
 
 COLUMNS = ("t", "E", "lambda1", "lambda2", "area_error", "volume_error", "velocity", "v", "amplitude", "r_min", "r_max")
-
-
-def length_powers(law: str) -> dict[str, int]:
-    """Powers of the length unit in time and velocity: ``-dF`` is ``length^-3``, its Laplacian, for diffusion, ``length^-5``.
-
-    And that of the area, which in flows is by the straight tube's.
-    """
-    return {"t": 6, "velocity": -5, "area": 0} if law == "diffusion" else {"t": 4, "velocity": -3, "area": 0}
 
 
 Status = Literal[
@@ -163,21 +155,16 @@ class FlowResult:
         state: the last one, whatever happened.
         status: ``steady`` (velocity and spectrum say so), ``saddle`` (at rest on an unstable shape), ``time``, ``pinch``,
             ``overhang``, ``unresolved`` (no more points to be had), ``stalled``, ``steps``, ``seconds``, ``interrupted``.
-        said: what happened, when, where, in any unit of length; ``reason`` is that in radii.
+        reason: one line for a reader: what happened, when, where; a ``Sentence``, which can be read in any unit of length.
         advice: what to try, or empty.
         equilibrium: the polished end state, where the flow came to rest.
     """
 
     state: FlowState
     status: Status
-    said: Said
+    reason: str
     advice: str = ""
     equilibrium: Equilibrium | None = None
-
-    @property
-    def reason(self) -> str:
-        """One line for a reader: what happened, when, where."""
-        return self.said.at()
 
     def table(self) -> pd.DataFrame:
         """A row for every accepted step."""

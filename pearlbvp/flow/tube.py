@@ -17,7 +17,7 @@ from typing import Any, get_args
 import numpy as np
 
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Said, Trouble, check_law
+from pearlbvp.flow.problem import Array, Law, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
 from pearlbvp.flow.tensor import DISPLACEMENT, FIELDS, Tensor
 from pearlbvp.tube.density import gradients, hessians
@@ -25,6 +25,7 @@ from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.torus import TorusFunction
 from pearlbvp.tube.waves import Cell, ModeWaves
+from pearlbvp.units import Sentence
 
 THINNEST, STEEPEST = 1e-2, 20.0
 """Radius of a section about its centre, and slope of the surface against the axis, beyond which these modes are left."""
@@ -274,18 +275,18 @@ class TubeFlow:
         slope = np.abs(z[0] * z[3] - z[1] * z[2]) / np.hypot(z[2], z[3])
         thin, steep = int(z[3].argmin()), int(slope.argmax())
         if z[3, thin] < THINNEST:
-            where = Said("the section at x = {:.4g}, phi = {:.3f} closes on its centre", self._place(thin))
+            where = Sentence("the section at x = {x:.4g}, phi = {phi:.3f} closes on its centre", **self._place(thin))
             return Trouble("pinch", where, "stop before, or change the volume")
         if slope[steep] > STEEPEST:
-            numbers = (*self._place(steep), (slope[steep], 0))
-            where = Said("the surface at x = {:.4g}, phi = {:.3f} has slope {:.0f} against the axis", numbers)
+            text = "the surface at x = {x:.4g}, phi = {phi:.3f} has slope {slope:.0f} against the axis"
+            where = Sentence(text, slope=slope[steep], **self._place(steep))
             advice = "sections across the axis no longer describe it; use a triangulated tube"
             return Trouble("overhang", where, advice)
         return None
 
-    def _place(self, point: int) -> tuple[tuple[float, int], tuple[float, int]]:
-        """Where a grid point is, for ``Said``."""
-        return (self.tensor.x[point], 1), (self.tensor.phi[point], 0)
+    def _place(self, point: int) -> dict[str, float]:
+        """Where a grid point is, for a ``Sentence``."""
+        return {"x": self.tensor.x[point], "phi": self.tensor.phi[point]}
 
     def _tails(self, q: Array) -> tuple[float, float]:
         """Largest coefficients among the last sixth of the wave numbers, along and around."""

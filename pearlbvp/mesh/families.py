@@ -39,6 +39,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.mesh.adaptation import AdaptOptions, adapted, measured
 from pearlbvp.mesh.periodic import Array, PeriodicMesh
 from pearlbvp.mesh.samples import Samples
+from pearlbvp.units import Sentence
 
 MOST_NODES = 200_000
 """Vertices of a mesh beyond which memory runs out before an equilibrium is found."""
@@ -75,9 +76,10 @@ def divisions(length: float, nodes: int, coil: tuple[int, int] | None = None) ->
             if score < best:
                 best, chosen = score, (rows, around)
     if best[1] == math.inf:
-        raise InputError(
-            f"nodes: {nodes} are too few for good triangles on a tube of length {length:g}; give {fewest(length)} or more"
+        text = (
+            f"nodes: {nodes} are too few for good triangles on a tube of length {{L:g}}; give {fewest(length)} or more"
         )
+        raise InputError(Sentence(text, L=length))
     return chosen
 
 

@@ -18,6 +18,7 @@ from pearlbvp.mesh.problem import MeshProblem, about, with_phases
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.theory.amplitude import linear
 from pearlbvp.theory.dispersion import critical_lambda2
+from pearlbvp.units import Sentence
 
 Form = Literal["pearl", "ring", "coil", "buckle"]
 
@@ -129,7 +130,8 @@ def branch_point(
         raise InputError(f"mode: {m, n} branches off nowhere; give another mode")
     wave, edge = 2 * math.pi / math.hypot(2 * math.pi * m / mesh.length, n), float(mesh.edge_lengths.mean())
     if wave < 2 * edge:
-        raise InputError(f"mode: {m, n} has waves shorter than two edges of the mesh, {2 * edge:.2g}; give more nodes")
+        text = f"mode: {m, n} has waves shorter than two edges of the mesh, {{edge:.2g}}; give more nodes"
+        raise InputError(Sentence(text, edge=2 * edge))
     problem, u, count = _without_mode(*_cylinder(mesh, c0, near, kind), m, n)
     u = solved(problem, u, "lambda2")
     rate, slope = _mean_rate(problem, u, count), float(linear((2 * math.pi * m / mesh.length) ** 2, n))
@@ -142,7 +144,8 @@ def branch_point(
             return problem, u
         before, rate = rate, _mean_rate(problem, u, count)
         slope = (rate - before) / step
-    raise InputError(f"mode: {m, n} has no branch point on this mesh near lambda2 = {near:.4g}; give more nodes")
+    text = f"mode: {m, n} has no branch point on this mesh near lambda2 = {{lambda2:.4g}}; give more nodes"
+    raise InputError(Sentence(text, lambda2=near))
 
 
 def _without_mode(problem: MeshProblem, u: Array, m: int, n: int) -> tuple[MeshProblem, Array, int]:

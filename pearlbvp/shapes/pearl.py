@@ -25,7 +25,7 @@ from pearlbvp.collocation import (
 )
 from pearlbvp.collocation.polynomial import all_points, extremes
 from pearlbvp.collocation.scheme import Array
-from pearlbvp.helfrich import Tube, cylinder_lambda1
+from pearlbvp.helfrich import SHORT_WAVE, Tube, cylinder_lambda1
 from pearlbvp.shapes import axisymmetric, tension
 from pearlbvp.shapes.cells import HALF_CELL, HALF_CELL_TENSION, full_cell
 from pearlbvp.stability.bloch import Fixed, SecondVariation
@@ -36,7 +36,9 @@ from pearlbvp.theory.dispersion import critical_lambda2
 Centre = Literal["pearl", "neck"]
 
 LARGE_TENSION, SMALL_TENSION = 12.0, 6.0
-"""``|lambda1|`` above which a half cell changes to the chart of large multipliers, and below which it changes back."""
+"""``|lambda1|`` above which a half cell changes to the chart of large multipliers, and below which it changes back.
+
+Of short pearls times the square of their wave number, which is the size of their multipliers."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ class PearlProblem:
         reference: what the phase of a full cell is fixed against; None for a half cell.
         cells: periods on the tube, for stability.
         fixed: what perturbations keep, for stability.
+        wave_number: of the pearls at their onset, by that of short waves, 1 for longer ones: by its powers their curvatures
+            and multipliers are measured along branches.
     """
 
     stored_as: ClassVar[str] = "pearl"
@@ -58,6 +62,7 @@ class PearlProblem:
     tolerance: float
     cells: int = 1
     fixed: Fixed = "area and volume"
+    wave_number: float = 1.0
 
     @property
     def half(self) -> bool:
@@ -85,7 +90,8 @@ class PearlProblem:
         free = tuple(names.get(name, name) for name in d.free)
         problem = HALF_CELL_TENSION if large else HALF_CELL
         _, parameters = convert(d.values(u), d.all_parameters(u))
-        other = replace(d, problem=problem, parameters=parameters, free=free)
+        weights = _weights(self.wave_number, large)
+        other = replace(d, problem=problem, parameters=parameters, free=free, weights=weights)
 
         def moved(vector: Array) -> Array:
             return other.pack(*convert(d.values(vector), d.all_parameters(vector)))
@@ -133,7 +139,7 @@ class PearlProblem:
         None if mesh and chart will do.
         """
         d = self.discretization
-        chart_parameter = abs(d.all_parameters(u)[1])
+        chart_parameter = abs(d.all_parameters(u)[1]) * self.wave_number ** (2 if self.large_tension else -2)
         size = 1 / max(chart_parameter, 1e-300) if self.large_tension else chart_parameter
         if self.half and (size > LARGE_TENSION if not self.large_tension else size < SMALL_TENSION):
             changed, moved = self.change_chart(not self.large_tension, u, *others)
@@ -266,6 +272,7 @@ class PearlProblem:
         tree: dict[str, Any] = {
             "mesh": d.mesh, "degree": d.scheme.m, "parameters": d.parameters, "free": ",".join(d.free),
             "tolerance": self.tolerance, "cells": self.cells, "fixed": self.fixed, "large_tension": self.large_tension,
+            "wave_number": self.wave_number,
         }  # fmt: skip
         if self.reference is not None:
             tree |= {"reference_mesh": self.reference.mesh, "reference_values": self.reference.values}
@@ -287,14 +294,29 @@ class PearlProblem:
         if reference is not None:
             problem = full_cell(reference)
         scheme, free = gauss_scheme(int(tree["degree"])), tuple(tree["free"].split(","))
-        discretization = Discretization(problem, scheme, tree["mesh"], tree["parameters"], free)
-        return cls(discretization, reference, float(tree["tolerance"]), int(tree["cells"]), tree["fixed"])
+        wave_number = float(tree["wave_number"])
+        weights = _weights(wave_number, bool(tree["large_tension"]))
+        discretization = Discretization(problem, scheme, tree["mesh"], tree["parameters"], free, weights)
+        return cls(discretization, reference, float(tree["tolerance"]), int(tree["cells"]), tree["fixed"], wave_number)
 
     def axial_force_spread(self, u: Array) -> float:
         """Largest minus smallest axial force at the mesh points: zero on an exact solution, a free error measure."""
         d = self.discretization
         force = axisymmetric.axial_force(*self.multipliers(d.values(u)[:: d.scheme.m], d.all_parameters(u)))
         return float(np.ptp(force))
+
+
+def _weights(wave_number: float, large_tension: bool) -> Array | None:
+    """Weights of states and parameters, of a full cell's too, in the inner product; None where all are 1.
+
+    With ``k`` the wave number, ``h`` is of size ``k`` on short pearls, ``w`` and both multipliers are of size ``k^2``; slopes
+    and volumes are of size 1.
+    """
+    if wave_number == 1:
+        return None
+    states = (0, 0, -3, -4) if large_tension else (0, 0, -1, -2)
+    parameters = (0, 2, 0, -1, 0, 0, 0) if large_tension else (0, -2, -2, -1, 0, 0, 0)
+    return np.asarray(wave_number ** (2.0 * np.array(states + parameters)))
 
 
 @cache
@@ -330,7 +352,11 @@ def pearling_onset(
     half = tube.length / m / 2
     parameters = np.array([half, cylinder_lambda1(onset, tube.c0), onset, tube.c0, half, 1.0])
     free = ("arclength", "lambda1", "lambda2", "v")
-    discretization = Discretization(HALF_CELL, gauss_scheme(degree), _uniform_mesh(intervals), parameters, free)
+    short = max(k / SHORT_WAVE, 1.0)
+    weights = _weights(short, False)
+    discretization = Discretization(
+        HALF_CELL, gauss_scheme(degree), _uniform_mesh(intervals), parameters, free, weights
+    )
     x = half * all_points(discretization.mesh, discretization.scheme)
     one = np.ones_like(x)
     u = discretization.pack(np.column_stack((one, 0 * one, one / 2, 0 * one)), parameters)
@@ -339,7 +365,7 @@ def pearling_onset(
     wave = np.column_stack((np.cos(k * x), -k * np.sin(k * x), bend * np.cos(k * x), -bend * k * np.sin(k * x)))
     tangent = discretization.pack(wave, np.zeros_like(parameters))
     tangent /= math.sqrt(discretization.inner(tangent, tangent))
-    return PearlProblem(discretization, None, tolerance, cells=m), u, tangent
+    return PearlProblem(discretization, None, tolerance, cells=m, wave_number=short), u, tangent
 
 
 _MIRROR = np.array([1.0, -1.0, 1.0, -1.0])
@@ -363,7 +389,7 @@ def full_cell_problem(problem: PearlProblem, u: Array, *tangents: Array) -> tupl
     states = PiecewisePolynomial(mesh, mirrored(half.values(u)))
     slopes = np.asarray(axisymmetric.rhs(states.points, states.values, parameters))
     reference = PiecewisePolynomial(mesh, slopes)
-    whole = Discretization(full_cell(reference), half.scheme, mesh, parameters, (*half.free, "drag"))
+    whole = Discretization(full_cell(reference), half.scheme, mesh, parameters, (*half.free, "drag"), half.weights)
     moved = []
     for vector in (u, *tangents):
         free = vector[vector.size - len(half.free) :] * _scale(2)[half.free_index]

@@ -29,11 +29,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.errors import SpectrumError
 from pearlbvp.stability.bloch import Fixed, restrict, waves
 from pearlbvp.stability.spectrum import Spectrum, kernel_residual
 
 MOST_WAVES = 2000
-"""Largest number of waves along the tube that is looked at."""
+"""Largest number of waves along the tube among which the first to grow is looked for."""
+
+MOST_WORK = 2e8
+"""Waves along times classes times the cube of their sizes, up to which a spectrum is computed: a few seconds."""
 
 
 @dataclass(frozen=True)
@@ -258,16 +262,23 @@ def planar_spectrum(
         length: axial period of the tube.
         fixed: what perturbations keep.
         tolerance: for the residual of the exact kernels.
+
+    Raises:
+        SpectrumError: those that can grow are too many.
     """
     variation, residual = resolved(profile, tolerance=tolerance)
     rates: dict[PlanarBlock, Array] = {}
-    most = variation.most_waves(length)
-    k = np.arange(min(most, MOST_WAVES) + 1, dtype=np.float64) * (2 * math.pi / length)
+    most, points = variation.most_waves(length), len(variation.psi)
+    if (most + 1) * (profile.n // 2 + 1) * points**3 > MOST_WORK:
+        raise SpectrumError(
+            f"its stability would take too many modes: up to {most} waves along the tube may grow; take a shorter tube"
+        )
+    k = np.arange(most + 1, dtype=np.float64) * (2 * math.pi / length)
     for c, parity in classes_of(profile.n):
         for start in range(0, len(k), 128):  # no more matrices at a time than fit a cache
             for j, found in enumerate(variation.rates_at(c, parity, k[start : start + 128], fixed), start):
                 rates[PlanarBlock(j, c, profile.n, parity)] = found[: _KEPT + int((found > 0).sum())]
-    return PlanarSpectrum(rates, residual, len(variation.psi), complete=most <= MOST_WAVES)
+    return PlanarSpectrum(rates, residual, points)
 
 
 def planar_rates(

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.errors import SpectrumError
 from pearlbvp.stability.bloch import Fixed, SecondVariation, isothermal_points, restrict
 from pearlbvp.stability.profile import Profile
 
@@ -116,8 +117,9 @@ class Spectrum:
 
     @property
     def neutral(self) -> float:
-        """Growth rates of this size are zero to the accuracy of the spectrum."""
-        return 1e-8 + 10 * self.residual
+        """Growth rates of this size are zero to the accuracy of the spectrum: its kernels', and rounding."""
+        largest = max((float(np.abs(rates).max(initial=0.0)) for rates in self.rates.values()), default=0.0)
+        return 1e-8 + ROUNDING * largest + 10 * self.residual
 
     @property
     def n_unstable(self) -> int:
@@ -156,6 +158,12 @@ class Spectrum:
         return float(self.rates[self.critical][0])
 
 
+MANY = 420
+"""Fourier points of a period beyond which fewer are tried first than seven in each unit: their cubes are long to wait for."""
+
+ROUNDING = 1e-12
+"""Error of growth rates by the largest of them."""
+
 _KEPT = 12
 """Growth rates kept of each block, besides the positive ones."""
 
@@ -174,8 +182,8 @@ def spectrum(
     fixed: Fixed = "area and volume",
     tolerance: float = 1e-7,
     points: int | None = None,
-    max_points: int = 768,
-    max_n: int = 12,
+    max_points: int | None = None,
+    max_n: int = 64,
 ) -> Spectrum:
     """Growth rates of all perturbations of a tube of ``cells`` periods, over all ``n`` that matter.
 
@@ -188,17 +196,31 @@ def spectrum(
         cells: periods on the tube.
         fixed: what perturbations keep.
         tolerance: for the residual of the exact kernels.
-        points: Fourier points of a period to begin with (``None``: seven in each unit of the isothermal coordinate).
-        max_points: the most to go to; the result's ``residual`` says whether they sufficed.
+        points: Fourier points of a period to begin with (``None``: seven in each unit of the isothermal coordinate, on long
+            periods fewer).
+        max_points: the most to go to (``None``: seven in each unit, and 768 at least); the result's ``residual`` says whether
+            they sufficed.
         max_n: largest azimuthal number.
+
+    Raises:
+        SpectrumError: far more wind around the tube and grow.
     """
-    points = points or max(48, 2 * math.ceil(3.5 * isothermal_points(profile, 2)[1]))
+    length = isothermal_points(profile, 2)[1]
+    seven = 2 * math.ceil(3.5 * length)
+    if points is None:
+        fastest = math.sqrt(
+            3 + 2 * abs(profile.lambda2) + 2 * abs(1 - 2 * profile.c0)
+        )  # that grows on the straight tube
+        points = max(48, min(seven, max(MANY, 2 * math.ceil(length * max(1.25, fastest / 2)))))
+    max_points = max(768, seven) if max_points is None else max_points
     variation, residual = _sampled(profile, points)
     while residual > tolerance and 2 * points <= max_points:
         finer, smaller = _sampled(profile, 2 * points)
         if smaller > residual / 2:  # rounding, or the profile itself, is what remains
             break
         variation, residual, points = finer, smaller, 2 * points
+    if profile.lambda2 > (max_n + 1) ** 2:  # on the straight tube they grow beyond half of that
+        raise SpectrumError(f"waves of more than n = {max_n} around the tube grow")
     rates: dict[Block, Array] = {}
     before = np.inf
     for n in range(max_n + 1):

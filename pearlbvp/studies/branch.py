@@ -21,6 +21,7 @@ from pearlbvp.shapes.pearl import Centre, PearlProblem, pearling_onset
 from pearlbvp.stability.bloch import Fixed
 from pearlbvp.studies.ends import limit
 from pearlbvp.theory.dispersion import critical_lambda2
+from pearlbvp.units import Sentence
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
            "critical", "c0", "L", "mu_error"]  # fmt: skip
@@ -99,11 +100,11 @@ def pearl_branch(
     if m != int(m) or m < 1:
         raise InputError(f"mode: {m} pearls are none; give a whole number from 1 on")
     if not critical_lambda2(tube.wave_number(m), 0, tube.c0) ** 2 < 1e12:
-        raise InputError(f"mode: {m} pearls on L = {length:g} have k = 1 and branch off nowhere; change mode or length")
+        text = f"mode: {m} pearls on L = {{L:g}} have k = {{k:g}} and branch off nowhere; change mode or length"
+        raise InputError(Sentence(text, L=length, k=1.0))
     if length / m > LONGEST_PEARL:
-        raise InputError(
-            f"length: pearls of period {length / m:g} are longer than {LONGEST_PEARL:g} radii; take more of them"
-        )
+        text = f"length: pearls of period {{period:g}} are longer than {LONGEST_PEARL:g} radii; take more of them"
+        raise InputError(Sentence(text, period=length / m))
     if not 1e-13 <= tolerance <= 1e-3:
         raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3")
     problem, u, tangent = pearling_onset(tube, m, tolerance=tolerance)
@@ -327,10 +328,26 @@ def switched(
     """
     special = numbered(branch, number)
     if special.block.n != 0:
-        raise InputError(
-            f"switch: at branch point {number} shapes with n = {special.block.n} branch off, which are no pearls"
-        )
+        what = f"switch: at branch point {number} shapes with n = {special.block.n} branch off, which are no pearls"
+        raise InputError(Sentence.joined(what, _on_a_mesh(branch, special)))
     return switch(branch, special, options, centre=centre, grow=grow)
+
+
+def _on_a_mesh(branch: Branch[PearlProblem], special: SpecialPoint[Any]) -> str:
+    """How shapes that are not axisymmetric are followed: from the same pearls on a triangulated tube."""
+    place, start = branch.at(special).point.observables, branch.points[0].point
+    if start.observables["amplitude"] > 1e-6:
+        return (
+            "; a mesh may follow them, in Python: studies.mesh.branch_from(*meshed(branch.points[k], 1000), options) "
+            "goes on from these pearls, and mesh_switched leaves it"
+        )
+    pearls = round(place["L"] / start.problem.profile(start.u).period)
+    return Sentence(
+        "; a mesh may follow them: pearlbvp branch pearl --c0 {c0:.12g} --length {L:.12g}{radius_option} "
+        f"--mode {pearls},0 --nodes 1000 --save FILE.h5, then --resume FILE.h5 --switch the branch point that is there near "
+        "lambda2 = {lambda2:.4g}, v = {v:.6g}",
+        **{name: place[name] for name in ("c0", "L", "lambda2", "v")},
+    )
 
 
 def numbered(branch: Branch[Any], number: int) -> SpecialPoint[Any]:

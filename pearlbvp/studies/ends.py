@@ -8,6 +8,7 @@ from pearlbvp.continuation.branch import BranchPoint
 from pearlbvp.continuation.two_parameters import CurveOnSurface
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.tube.problem import TubeProblem
+from pearlbvp.units import Sentence
 
 THINNEST_NECK = 4e-3
 """Radius of the neck at which a branch of pearls ends: beyond, rounding spoils the count of unstable waves."""
@@ -16,7 +17,7 @@ RESOLVED = 1e-4
 """Error of the growth rates of pearls beyond which a branch ends rather than count wrongly."""
 
 RESOLVED_TUBE = 1e-6
-"""The same of tubes in reduced modes, as rigid motions show it."""
+"""The same of tubes in reduced modes, as rigid motions show it, by the fourth power of their wave number."""
 
 
 def limit(point: BranchPoint[Any]) -> str | None:
@@ -37,9 +38,11 @@ def _mesh_limit(point: BranchPoint[Any]) -> str | None:
 def _pearl_limit(point: BranchPoint[Any]) -> str | None:
     if not point.spectrum.complete:
         n = max(block.n for block in point.spectrum.rates)
-        return f"waves of more than n = {n} around the tube grow: its tension is {point.observables['lambda1']:.3g}"
+        text = f"waves of more than n = {n} around the tube grow: its tension is {{lambda1:.3g}}"
+        return Sentence(text, lambda1=point.observables["lambda1"])
     if point.spectrum.residual > RESOLVED:
-        return f"its spectrum is known to {point.spectrum.residual:.0e} only, at a neck of {point.observables['r_min']:.1e}"
+        text = "its spectrum is known to {rate:.0e} only, at a neck of {r_min:.1e}"
+        return Sentence(text, rate=point.spectrum.residual, r_min=point.observables["r_min"])
     if point.observables["r_min"] < THINNEST_NECK:
         return f"the neck is thinner than {THINNEST_NECK:g} radii: the surface is about to touch its axis"
     return None
@@ -48,10 +51,10 @@ def _pearl_limit(point: BranchPoint[Any]) -> str | None:
 def _tube_limit(problem: TubeProblem, point: BranchPoint[Any]) -> str | None:
     if point.observables["r_min"] <= 0:
         return "a cross-section is no longer star-shaped about its centre, as reduced modes need it"
-    if point.spectrum.kernel > RESOLVED_TUBE:
+    if point.spectrum.kernel > RESOLVED_TUBE * problem.wave_number**4:
         size = " x ".join(str(most) for most in problem.size if most)
-        return (
-            f"its growth rates are known to {point.spectrum.kernel:.0e} only, as its rigid motions show: {size} modes, "
-            "the most there are, do not resolve the shape"
+        return Sentence(
+            f"its growth rates are known to {{rate:.0e}} only, as its rigid motions show: {size} modes do not resolve it",
+            rate=point.spectrum.kernel,
         )
     return None

@@ -1,8 +1,8 @@
 """Does the flow get there? The ends of flows as points of branches: which family, how stable, and on from there.
 
 Branches live at area ``2 pi L``. A flow keeps the area it starts with: its end is similar to a shape of that area on a tube of
-length ``L/s`` with spontaneous curvature ``c0 s``, ``s = A/(2 pi L)``. That shape is the point of a branch; its growth rates
-are ``s^4`` times those in the flow's own units.
+length ``L/s`` with spontaneous curvature ``c0 s``, ``s = A/(2 pi L)``: lengths measured in a unit of ``s`` radii. That shape is
+the point of a branch; its growth rates are ``s^4`` times those in the flow's own units.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.mesh import MeshFlow
 from pearlbvp.flow.record import Equilibrium, FlowResult
 from pearlbvp.flow.tube import TubeFlow
-from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.problem import MeshProblem, about
 from pearlbvp.mesh.start import solved
 from pearlbvp.newton import NewtonOptions
@@ -36,6 +35,7 @@ from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import PLANE_TOLERANCE, TubeProblem
 from pearlbvp.tube.spectrum import Fixed
 from pearlbvp.tube.symmetry import TubeSymmetry
+from pearlbvp.units import Units
 
 FEWEST_WAVES = 8
 """Periods or folds that a tube has at first; more are taken where the shape needs them."""
@@ -108,13 +108,14 @@ def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem | MeshProb
     return _tubes(end, position, fixed)
 
 
-def _scale(found: Mapping[str, float]) -> float:
-    """By what a shape is larger than the similar one of area ``2 pi L``; 1 where only rounding tells them apart.
+def similarity(end: Equilibrium) -> Units:
+    """What leads from the end of a flow to the similar shape of area ``2 pi L``: the unit in which that is measured.
 
-    A flow from a branch keeps the area of the tube it is on, where that is asked for: its end is on the very tube that was
-    given, with the digits that it was given by.
+    A flow from a branch keeps the area of the tube it is on, where that is asked for. Where only rounding tells the areas
+    apart, its end is on the very tube that was given, with the digits that it was given by.
     """
-    return 1.0 if abs(found["area"] - 1) < ROUNDING else found["area"]
+    area = end.observables["area"]
+    return Units(1.0 if abs(area - 1) < ROUNDING else area)
 
 
 def _check(end: Equilibrium) -> None:
@@ -125,21 +126,25 @@ def _check(end: Equilibrium) -> None:
 def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[TubeProblem, Array]:
     """The similar tube of area ``2 pi L`` in the modes of its symmetry, by Newton's method at its reduced volume."""
     found, symmetry = end.observables, position.symmetry
-    scale = _scale(found)
-    known = {mode: value / scale for mode, value in position.known.items()}
+    similar = similarity(end)
+    known = {mode: similar.from_user("r", value) for mode, value in position.known.items()}
     along, around = _size(known, symmetry)
     tolerance = PLANE_TOLERANCE if along and around else TubeProblem.tolerance
-    problem = TubeProblem(
-        symmetry, end.problem.c0 * scale, end.problem.length / scale, (along, around), tolerance=tolerance, fixed=fixed
-    )
+    tube = similar.tube(end.problem.c0, end.problem.length)
+    problem = TubeProblem(symmetry, tube.c0, tube.length, (along, around), tolerance=tolerance, fixed=fixed)
     problem = problem.pinned_at(dict(zip(problem.modes, problem.packed(known), strict=True)))
-    parameters = [found["lambda1"] * scale**2, found["lambda2"] * scale**3, found["v"] / scale**2]
-    u = _at_its_volume(problem, np.append(problem.packed(known), parameters))
+    u = _at_its_volume(problem, np.append(problem.packed(known), _parameters(found, similar)))
     problem, u = _resolved(problem, u)
     energy = problem.observables(u)["E"]
-    if abs(energy - found["E"] * scale**2) > UNLIKE * abs(energy):
+    if abs(energy - similar.from_user("E", found["E"])) > UNLIKE * abs(energy):
         raise InputError("flow: Newton's method left its end for another equilibrium; let it flow on more modes")
     return problem, u
+
+
+def _parameters(found: Mapping[str, float], similar: Units) -> Array:
+    """Multipliers and reduced volume of the similar shape: ``V/(pi L)`` is an area."""
+    multipliers = [similar.from_user(name, found[name]) for name in ("lambda1", "lambda2")]
+    return np.array([*multipliers, similar.from_user("volume_by_length", found["v"])])
 
 
 def _resolved(problem: Any, u: Array) -> tuple[Any, Array]:
@@ -158,13 +163,10 @@ def _meshes(end: Equilibrium) -> tuple[MeshProblem, Array]:
     flow, found = end.problem, end.observables
     if found["amplitude"] < SMALLEST_AMPLITUDE:
         raise InputError(STRAIGHT)
-    scale, mesh = _scale(found), flow.reference.mesh
-    mesh = replace(mesh, vertices=flow.vertices(end.q) / scale, length=mesh.length / scale)
-    parameters = np.array([found["lambda1"] * scale**2, found["lambda2"] * scale**3, found["v"] / scale**2])
-    reference = flow.reference
-    problem, u = about(
-        mesh, reference.c0 * scale, parameters, reference.kind, fixed=reference.fixed, adapt=reference.adapt
-    )
+    similar, reference = similarity(end), flow.reference
+    mesh = similar.surface_from_user(replace(reference.mesh, vertices=flow.vertices(end.q)))
+    c0, parameters = similar.from_user("c0", reference.c0), _parameters(found, similar)
+    problem, u = about(mesh, c0, parameters, reference.kind, fixed=reference.fixed, adapt=reference.adapt)
     return problem, solved(problem, u)
 
 
@@ -227,12 +229,13 @@ def pearls_of(end: Equilibrium, tolerance: float = 1e-10) -> tuple[PearlProblem,
 def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlProblem, Array]:
     """The arclength problem's solution at the reduced volume of an end whose radius is a sum of cosines."""
     found = end.observables
-    scale = _scale(found)
+    similar = similarity(end)
     pearls = int(np.gcd.reduce(np.flatnonzero(np.abs(cosines) > NEGLIGIBLE)))  # equal ones, on the whole tube
     if pearls == 0:
         raise InputError(STRAIGHT)
-    tube = Tube(end.problem.c0 * scale, end.problem.length / scale / pearls)
-    problem, u, why = pearl_of_graph(tube, found["v"] / scale**2, cosines[::pearls] / scale, tolerance=tolerance)
+    tube = similar.tube(end.problem.c0, end.problem.length / pearls)
+    v, cosines = similar.from_user("volume_by_length", found["v"]), similar.from_user("r", cosines[::pearls])
+    problem, u, why = pearl_of_graph(tube, v, cosines, tolerance=tolerance)
     if why:
         raise InputError(f"flow: its end led to no equilibrium of the arclength problem ({why})")
     return _resolved(replace(problem, cells=pearls), u)

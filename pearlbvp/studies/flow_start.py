@@ -131,7 +131,8 @@ def pearl_start(problem: PearlProblem, u: Array, *, points: int = 128, law: Law 
             raise InputError(f"point: {graph.points} points do not resolve its shape; choose one with a thicker neck")
         graph = finer[0]
     # Interpolation leaves some 1e-10 of the area and volume that the branch has exactly.
-    q = constrained(replace(graph, law="area and volume"), q, np.array([1.0, found["v"] / 2]), normally=True)
+    kept = np.array([1.0, found["v"] / 2])
+    q = constrained(replace(graph, law="area and volume"), q, kept)
     multipliers = np.array([found["lambda1"], found["lambda2"]][: len(graph.constraints(q))])
     return FlowStart(graph, q, multipliers)
 
@@ -145,7 +146,6 @@ def profile_start(
     points: int = 128,
     law: Law = "area and volume",
     pressure: float = 0.0,
-    radius: float = 1.0,
 ) -> tuple[GraphFlow, Array]:
     """Any axisymmetric graph, given by radii at some places, as a flow and its coordinates; no equilibrium is asked for.
 
@@ -155,13 +155,12 @@ def profile_start(
             first one again, a period later, to the precision of the table.
         points: of the flow.
         law, pressure: what the flow keeps, and the pressure difference where that is the area alone.
-        radius: of the tube in the user's unit, in which errors speak.
 
     Raises:
         InputError: an argument that cannot be used.
     """
     tube = Tube(c0, length)
-    spline = one_period(x, r, tube.length, radius)
+    spline = one_period(x, r, tube.length)
     graph = GraphFlow(tube.c0, tube.length, points, law, pressure)
     return graph, graph.coordinates(spline(graph.x))
 

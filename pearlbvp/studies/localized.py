@@ -8,7 +8,7 @@ along the branch that knows nothing of ``N``: it is resolved once, and each ``N`
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -24,7 +24,8 @@ from pearlbvp.numbers import as_numbers
 from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
 from pearlbvp.stability.floquet import alternating_determinants, multipliers
 from pearlbvp.stability.spectrum import spectrum
-from pearlbvp.theory.dispersion import stable_interval
+from pearlbvp.theory.dispersion import StableInterval, stable_intervals
+from pearlbvp.units import Sentence
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -127,21 +128,23 @@ class PeriodicPearls:
         """Indices of the path's points with a neutral wave of ``n = 1`` or 2."""
         return [i for i, point in enumerate(self.path.points) if _has_wave_around(point)]
 
-    def loss_of_stability(self, pearls: int) -> float | None:
-        """Coordinate ``x`` at which pearls on ``pearls`` periods lose stability to one localized pearl.
+    def losses_of_stability(self, pearls: Sequence[int]) -> Array:
+        """Coordinates ``x``, shape (K,), at which pearls on so many periods lose stability to one localized pearl.
 
         Waves with an angle from 0 to ``theta`` grow. Pearls that are stable at onset have ``theta <= 2 pi / N`` there,
-        so the first wave to grow is that with ``j = 1``, where ``theta`` reaches it for the first time.
+        so the first wave to grow is that with ``j = 1``, where ``theta`` reaches it for the first time. Not a number where
+        it never does.
         """
-        level = 2 * math.cos(2 * math.pi / pearls)
-        if self.functions(np.zeros(1))[0, _COSINE] <= level * (1 + 1e-14):
-            return 0.0
-        found = [float(x) for x in self.functions.crossings(_COSINE, level)]
-        if pearls == 2:
+        levels = 2 * np.cos(2 * np.pi / np.array(pearls))
+        found = self.functions.first_crossings(_COSINE, levels)
+        found[self.functions(np.zeros(1))[0, _COSINE] <= levels + 1e-12] = 0.0  # to its accuracy
+        if 2 in pearls:
             # Where theta passes pi the cosine may do no more than touch -2. The sum of its two factors has a simple
             # zero there, at which their product is negative: the first zero of the product lies before.
-            found += [self._first_alternating(float(x)) for x in self.functions.crossings(_SUM)]
-        return min(found, default=None)
+            touched = [self._first_alternating(float(x)) for x in self.functions.crossings(_SUM)]
+            two = np.array(pearls) == 2
+            found[two] = np.fmin(found[two], min(touched, default=math.nan))
+        return found
 
     def _first_alternating(self, x: float) -> float:
         """The zero of ``2 cos(theta) + 2`` before a zero ``x`` of the sum of its factors, by bisection."""
@@ -160,25 +163,36 @@ class PeriodicPearls:
         Raises:
             InputError: the path was not followed far enough for so few periods.
         """
-        check_pearls(pearls, self.fewest)
-        x = self.loss_of_stability(pearls)
-        if (self._folds < (math.inf if x is None else x)).any():
+        return self.rows([pearls])[0]
+
+    def rows(self, pearls: Sequence[int]) -> list[dict[str, object]]:
+        """The same on several numbers of periods."""
+        for count in pearls:
+            check_pearls(count, self.fewest)
+        x = self.losses_of_stability(pearls)
+        reached = ~np.isnan(x)
+        values = np.where(reached[:, None], self.functions(np.where(reached, x, 0.0)), np.nan)
+        return [self._row(*case) for case in zip(pearls, x.tolist(), values, strict=True)]
+
+    def _row(self, pearls: int, x: float, values: Array) -> dict[str, object]:
+        """A row, from where the pearls lose stability (not a number: nowhere) and the functions there."""
+        nowhere = math.isnan(x)
+        if (self._folds < (math.inf if nowhere else x)).any():
             v = float(self.functions(self._folds[:1])[0, _V])
             return _no(f"the pearls lose stability at a fold in v = {v:.6g} before any localized pearl branches off")
-        v_end = math.inf if x is None else float(self.functions(np.array([x]))[0, _V])
-        n = self._wave_around_before(v_end, pearls)
+        n = self._wave_around_before(math.inf if nowhere else float(values[_V]), pearls)
         if n is not None:
             return _no(f"the pearls lose stability to a wave of n = {n} before any localized pearl branches off")
-        if x is None:
+        if nowhere:
             if not self.path.complete:
                 return {
                     "status": "failed",
                     "message": f"the pearls could not be followed far enough: {self.path.reason}",
                 }
-            return _no(f"the pearls stay stable until their necks are thinner than {THINNEST_NECK}")
-        values = dict(zip(_FUNCTIONS, map(float, self.functions(np.array([x]))[0]), strict=True))
-        values["amplitude"] = math.sqrt(max(values["amplitude_squared"], 0.0))
-        return {"status": "found", **{name: values[name] for name in COLUMNS[5:10]}, "message": ""}
+            return _no(f"the pearls stay stable until their necks are thinner than {THINNEST_NECK} radii")
+        named = dict(zip(_FUNCTIONS, map(float, values), strict=True))
+        named["amplitude"] = math.sqrt(max(named["amplitude_squared"], 0.0))
+        return {"status": "found", **{name: named[name] for name in COLUMNS[5:10]}, "message": ""}
 
     def _wave_around_before(self, v_end: float, pearls: int) -> int | None:
         """The ``n`` of a growing non-axisymmetric wave that fits ``pearls`` periods, at the points of the path before."""
@@ -211,15 +225,17 @@ def check_period(period: float) -> float:
     period = positive("period", period)
     if period <= 2 * math.pi:
         raise InputError(
-            f"period: {period:g} is not above 2 pi = 6.283 radii (k >= 1), and such pearls end no stable interval "
-            "from below; take a longer period"
+            Sentence(
+                "period: {period:g} is not above 2 pi = 6.283 radii (a wave number of 1/radius or more), and such pearls end "
+                "no stable interval from below; take a longer period",
+                period=period,
+            )
         )
     return period
 
 
-def onset_status(tube: Tube, pearls: int) -> dict[str, object] | None:
-    """What keeps ``pearls`` pearls from being stable at their onset on a tube: status and message, or None."""
-    interval = stable_interval(tube)
+def onset_status(interval: StableInterval, pearls: int) -> dict[str, object] | None:
+    """What keeps pearls from being stable at their onset, given the straight tube's stable interval; or None."""
     if not interval.exists:
         message = "the straight tube of this length is stable for no lambda2"
         return {"status": "no_stable_cylinder", "message": message}
@@ -235,7 +251,8 @@ def onset_status(tube: Tube, pearls: int) -> dict[str, object] | None:
 def localized_pearls(c0: float, period: float, lengths: float | str | Iterable[float]) -> pd.DataFrame:
     """Branch points of the localized pearl from the pearls of a period, on tubes of several lengths.
 
-    One continuation serves all lengths, so 200 lengths cost what 4 cost, and a long tube what a short one costs.
+    One continuation serves all lengths, so that a thousand cost no more than twice what four cost, and a long tube what a
+    short one costs.
 
     Args:
         c0: spontaneous curvature.
@@ -259,15 +276,14 @@ def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[
     """The rows of ``localized_pearls``."""
     period = check_period(period)
     cases = []
-    for length in lengths:
-        tube = Tube(c0, length)
+    tubes = [Tube(c0, length) for length in lengths]
+    intervals = stable_intervals(float(c0), np.array([tube.length for tube in tubes]))
+    for length, tube, interval in zip(lengths, tubes, intervals, strict=True):
         pearls = round(tube.length / period)
         if pearls < 1 or abs(tube.length - pearls * period) > 1e-9 * tube.length:
-            near = max(pearls, 1) * period
-            raise InputError(
-                f"lengths: {length:g} radii is no multiple of the period {period:g}; the nearest is {near:.12g}"
-            )
-        cases.append((tube, pearls, onset_status(tube, pearls)))
+            text = "lengths: {L:g} {L_unit} is no multiple of the period {period:g}; the nearest is {length:.12g}"
+            raise InputError(Sentence(text, L=length, period=period, length=max(pearls, 1) * period))
+        cases.append((tube, pearls, onset_status(interval, pearls)))
     wanted = [pearls for _, pearls, status in cases if status is None and pearls > 1]
     failure, curve = "", None
     if wanted:
@@ -275,12 +291,13 @@ def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[
             curve = PeriodicPearls.trace(c0, period, min(wanted))
         except (Unresolved, np.linalg.LinAlgError) as error:
             failure = str(error)
+    found = {} if curve is None else dict(zip(wanted, curve.rows(wanted), strict=True))
     rows = []
     for tube, pearls, status in cases:
         if status is None and pearls == 1:
             status = _no("one pearl fills the tube: there are no others for it to stand out from")
         elif status is None:
-            status = curve.row(pearls) if curve is not None else {"status": "failed", "message": failure}
+            status = found.get(pearls, {"status": "failed", "message": failure})
         row = {"c0": tube.c0, "period": period, "L": tube.length, "pearls": pearls, **status}
         rows.append({name: row.get(name, math.nan) for name in COLUMNS})
     return rows

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from typing import Any
 
 from pearlbvp.continuation.branch import Branch
@@ -11,6 +10,7 @@ from pearlbvp.continuation.path import PathEnd, Point
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
+from pearlbvp.units import Sentence
 
 SAMPLES = {
     ("pearl", 0.0, 10.0, "A2"): ("lambda2", -3.165),
@@ -33,10 +33,9 @@ def sample(family: str, c0: float, length: float, name: str) -> tuple[str, float
     known = SAMPLES.get((family, c0, length, name))
     if known is None:
         names = ", ".join(f"{key[3]} ({key[0]}, c0 = {key[1]:g}, L = {key[2]:g} radii)" for key in SAMPLES)
-        raise InputError(
-            f"point: {name!r} is no point of a {family} branch at c0 = {c0:.6g}, L = {length:.6g} radii; give NAME=VALUE, "
-            f"like v=1.02, a number on a saved branch, or a sample of the paper: {names}"
-        )
+        where = Sentence("at c0 = {c0:.6g}, L = {L:.6g} {L_unit}", c0=c0, L=length)
+        what = "; give NAME=VALUE, like v=1.02, a number on a saved branch, or a sample of the paper: "
+        raise InputError(Sentence.joined(f"point: {name!r} is no point of a {family} branch ", where, what, names))
     return known
 
 
@@ -80,17 +79,3 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
             except PathEnd:
                 break
     raise InputError(f"point: that value of {column} is not reached on this branch; follow it further")
-
-
-def in_radii(name: str, radius: float, powers: Mapping[str, int]) -> str:
-    """A point's name given on a tube of any radius, as it is on that of radius 1; only ``NAME=VALUE`` changes.
-
-    Args:
-        name: as ``chosen`` takes it.
-        radius: of the tube.
-        powers: of length, of the columns.
-    """
-    column, equals, text = name.partition("=")
-    if not equals or radius == 1:
-        return name
-    return f"{column}={finite('point', text) / radius ** powers.get(column, 0)!r}"  # type: ignore[arg-type]

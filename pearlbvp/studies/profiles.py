@@ -7,6 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.errors import InputError
+from pearlbvp.units import Sentence
 
 CLOSED = 0.25
 """Distance of the last place from where the period ends, in steps, below which it is there to its own precision.
@@ -28,13 +29,12 @@ FARTHEST_RADIUS = 3.0
 """Factor between a profile's radius and the tube's beyond which they are in different units."""
 
 
-def one_period(x: Array, r: Array, length: float, radius: float = 1.0) -> CubicSpline:
+def one_period(x: Array, r: Array, length: float) -> CubicSpline:
     """The periodic cubic spline through the rows of a profile.
 
     Args:
         x, r: places, growing or falling from row to row, with at most one leap back by a period; radii there. In radii.
         length: the period.
-        radius: of the tube in the user's unit, in which errors speak.
 
     Raises:
         InputError: it is no graph over one period, rows are missing, or it is of a tube with quite another radius.
@@ -42,8 +42,8 @@ def one_period(x: Array, r: Array, length: float, radius: float = 1.0) -> CubicS
     x, r = np.asarray(x, dtype=float), np.asarray(r, dtype=float)
     _check_rows(x, r)
     x, r = _growing(x, r, length)
-    _check_radius(x, r, radius)
-    _check_extent(x, length, radius)
+    _check_radius(x, r)
+    _check_extent(x, length)
     end = min(x[-1] - x[-2], x[1] - x[0])
     gap = length - (x[-1] - x[0])
     if abs(gap) < CLOSED * end:
@@ -85,33 +85,34 @@ def _growing(x: Array, r: Array, length: float) -> tuple[Array, Array]:
         )
     again = np.diff(x) == 0
     if (again & (np.abs(np.diff(r)) > DIFFERENT * np.ptp(r))).any():
-        raise InputError(f"profile: two rows have x = {x[:-1][again][0]:.6g} but different r; leave one out")
+        text = "profile: two rows have x = {x:.6g} but different r; leave one out"
+        raise InputError(Sentence(text, x=float(x[:-1][again][0])))
     kept = np.append(True, ~again)
     if kept.sum() < 4:
         raise InputError("profile: give four or more places x and as many radii r, all finite")
     return x[kept], r[kept]
 
 
-def _check_extent(x: Array, length: float, radius: float) -> None:
+def _check_extent(x: Array, length: float) -> None:
     """Whether the places fill one period, and no more."""
     steps, span = np.diff(x), x[-1] - x[0]
     lack, whole = length - span, (span + np.median(steps)) / length
     if lack < -CLOSED * min(steps[0], steps[-1]):
-        raise InputError(
-            f"profile: x runs over {span * radius:.6g}, more than the period {length * radius:.6g} (about {whole:.3g} "
-            "periods); give the rows of one period, or the length of the whole"
+        text = (
+            "profile: x runs over {x:.6g}, more than the period {length:.6g}"
+            f" (about {whole:.3g} periods); give the rows of one period, or the length of the whole"
         )
+        raise InputError(Sentence(text, x=float(span), length=length))
     if lack > (EVEN if steps.max() < EVEN * steps.min() else GAP) * steps.max():
-        raise InputError(
-            f"profile: x runs over {span * radius:.6g} of the period {length * radius:.6g} only; give the rows of a whole "
-            "period, or its length"
-        )
+        text = "profile: x runs over {x:.6g} of the period {length:.6g} only; give the rows of a whole period, or its length"
+        raise InputError(Sentence(text, x=float(span), length=length))
 
 
-def _check_radius(x: Array, r: Array, radius: float) -> None:
+def _check_radius(x: Array, r: Array) -> None:
     """Whether the profile is of a tube with about the radius 1: that of the cylinder of its area."""
-    lengths = np.hypot(np.diff(x), np.diff(r))
-    found = float((lengths * (r[1:] + r[:-1]) / 2).sum() / (x[-1] - x[0]))
+    along = np.append(np.diff(x), np.median(np.diff(x)))  # the last step leads to the next period
+    across = np.roll(r, -1) - r
+    found = float((np.hypot(along, across) * (r + np.roll(r, -1)) / 2).sum() / along.sum())
     if not 1 / FARTHEST_RADIUS < found < FARTHEST_RADIUS:
-        about = float(f"{found * radius:.2g}")
-        raise InputError(f"radius: the tube's radius is about {about:g}, not {radius:g}; give --radius {about:g}")
+        text = "radius: the tube's radius is about {r:.3g}, not {L:g}; give --radius {r:.3g}"
+        raise InputError(Sentence(text, r=found, L=1.0))

@@ -16,12 +16,12 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.ring import RingProblem, ring_onset
 from pearlbvp.stability.bloch import Fixed
-from pearlbvp.stability.planar import MOST_WAVES, PlanarVariation
 from pearlbvp.studies.branch import COLUMNS, branch_options, numbered
 from pearlbvp.studies.ends import RESOLVED
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.tube.symmetry import ODD_PHI, ring_symmetry
+from pearlbvp.units import Sentence
 
 CONTACT = "the ring touches itself; beyond, it would pass through itself"
 TOUCHING = 1e-9
@@ -58,10 +58,6 @@ def ring_branch(
     if not 1e-13 <= tolerance <= 1e-3:
         raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3")
     problem, u, tangent = ring_onset(tube, n, tolerance=tolerance, fixed=fixed)
-    if PlanarVariation.of(problem.profile(u)).most_waves(tube.length) > MOST_WAVES:
-        raise InputError(
-            f"length: more than {MOST_WAVES} waves along L = {tube.length:g} may grow; take a shorter tube"
-        )
     return _to_contact(start_point(problem, u, tangent), options or branch_options(), at_bifurcation=True)
 
 
@@ -155,10 +151,9 @@ def _to_contact(start: Point[RingProblem], options: BranchOptions, *, at_bifurca
 def _limit(point: BranchPoint[RingProblem]) -> str | None:
     if point.observables["gap"] < -TOUCHING:
         return CONTACT
-    if not point.spectrum.complete:
-        return f"more than {MOST_WAVES} waves along the tube may grow; take a shorter tube"
     if point.spectrum.residual > RESOLVED:
-        return f"its spectrum is known to {point.spectrum.residual:.0e} only; take a smaller tolerance"
+        text = "its spectrum is known to {rate:.0e} only; take a smaller tolerance"
+        return Sentence(text, rate=point.spectrum.residual)
     return None
 
 

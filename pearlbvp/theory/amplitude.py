@@ -7,8 +7,8 @@ and ``lambda2 = lambda2_c + beta2 eps^2``, obey (paper, eq. (ampsys); time in un
 
 Coils have one of the two, buckles both alike; pearls (``n = 0``) and wrinkles (``k = 0``) have one wave and ``b = b1``. One
 set of polynomials serves them all. They are derived from the energy to fourth order by ``tests/derivations/amplitude.py``
-(the paper's Appendix A is the case ``n = 1``; its pearling ``b`` has a misprint). ``kappa`` is ``k^2``, ``lambda2`` its
-critical value.
+(the paper's Appendix A is the case ``n = 1``, but for its last term, where ``A02`` stands for ``A20``; in its pearling ``b``,
+§4.2, ``3/20 k^14`` stands for ``3/20 + k^14``). ``kappa`` is ``k^2``, ``lambda2`` its critical value.
 """
 
 from __future__ import annotations

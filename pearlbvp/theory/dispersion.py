@@ -71,12 +71,17 @@ class StableInterval:
 
 
 def stable_interval(tube: Tube) -> StableInterval:
-    """The stable interval of a straight tube of finite length, at a cost that does not depend on the length.
+    """The stable interval of a straight tube of finite length, at a cost that does not depend on the length."""
+    return stable_intervals(tube.c0, np.array([tube.length]))[0]
+
+
+def stable_intervals(c0: float, lengths: NDArray[np.float64]) -> list[StableInterval]:
+    """The stable intervals of straight tubes of one ``c0`` and several lengths, shape (T,).
 
     Over wave numbers each curve ``lambda2(k, n)`` has at most one extremum, so of all modes of one ``n`` only those next
     to it and next to ``k = 0`` and ``k = 1`` can end the interval. No ``n`` counts that begins above (0, 2), at 3/2.
     """
-    c0, per_k = tube.c0, tube.length / (2 * math.pi)
+    per_k = np.asarray(lengths, dtype=float)[:, None, None] / (2 * math.pi)
     n_max = math.floor(math.sqrt(4 + 2 * max(0.0, 2 * c0 - 1))) + 1
     n = np.arange(n_max + 1)
     e = n**2 - 1.0
@@ -85,8 +90,8 @@ def stable_interval(tube: Tube) -> StableInterval:
         root = np.sqrt(2 * (2 * c0 - 1) * e)
         extrema = np.sqrt(np.column_stack((-e - root, -e + root))) * per_k
     near = np.floor(np.nan_to_num(extrema))
-    ends = np.broadcast_to([0.0, math.floor(per_k)], (n.size, 2))
-    m = np.concatenate((near, near + 1, ends, ends + 1, ends - 1), axis=1).clip(0)
+    ends = np.concatenate((0 * per_k, np.floor(per_k)), axis=2) + np.zeros((n.size, 1))
+    m = np.concatenate((near, near + 1, ends, ends + 1, ends - 1), axis=2).clip(0)  # (T, n, candidates)
     k = m / per_k
     modes = n[:, None] + 0 * m
     critical = critical_lambda2(k, modes, c0)
@@ -95,14 +100,16 @@ def stable_interval(tube: Tube) -> StableInterval:
     if c0 > 0.5:  # at k = 1 exactly, mu = 2 c0 - 1 > 0 whatever lambda2
         lower = np.where(pearling_below & (k == 1), np.inf, lower)
     upper = np.where(k**2 + modes**2 > 1, critical, np.inf)
-    first = np.unravel_index(np.argmax(lower), lower.shape)
-    last = np.unravel_index(np.argmin(upper), upper.shape)
-    return StableInterval(
-        lower=float(lower[first]),
-        lower_mode=None if np.isneginf(lower[first]) else (int(m[first]), int(modes[first])),
-        upper=float(upper[last]),
-        upper_mode=(int(m[last]), int(modes[last])),
+    lower, upper, m, modes = (values.reshape(len(per_k), -1) for values in (lower, upper, m, modes))
+    tubes = np.arange(len(per_k))
+    first, last = lower.argmax(axis=1), upper.argmin(axis=1)
+    found = zip(
+        *(values[tubes, at].tolist() for at in (first, last) for values in (lower, upper, m, modes)), strict=True
     )
+    return [
+        StableInterval(below, None if below == -math.inf else (int(m0), int(n0)), above, (int(m1), int(n1)))
+        for below, _, m0, n0, _, above, m1, n1 in found
+    ]
 
 
 def critical_wave_number(c0: float) -> float:

@@ -18,6 +18,8 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.errors import SpectrumError
+from pearlbvp.helfrich import SHORT_WAVE
 from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Basis, Mode
 from pearlbvp.tube.rigid import rigid_motions
@@ -31,6 +33,13 @@ MOST_MODES, MOST_MODES_PLANE = 256, 48
 PLANE_TOLERANCE = 1e-7
 """Of the curvature of the last modes where a tube depends on two variables. Multipliers and energy, stationary values, are
 far better."""
+
+
+MOST_WAVES = 20000
+"""Waves along times waves around, beyond which a spectrum is not tried."""
+
+MOST_WORK = 1e10
+"""Cubes of the sizes of all symmetry blocks, up to which a spectrum is computed: a few seconds."""
 
 
 class TubeParameters(NamedTuple):
@@ -138,9 +147,16 @@ class TubeProblem:
     @cached_property
     def cell(self) -> Cell:
         """A period of the tube, on points that resolve products of three modes."""
+        return self._cell_for(self.size)
+
+    def _cell_for(self, largest: tuple[int, int]) -> Cell:
+        """A period of the tube, on points that resolve products of a mode and two waves of the ``largest`` numbers.
+
+        Those are in periods and folds. On fewer points differences of two waves would be taken for longer ones.
+        """
         along, around = (
-            next_fast_len(3 * most + 8, real=True) if unit else 1
-            for most, unit in zip(self.size, self._units, strict=True)
+            next_fast_len(max(2 * wave, 2 * most + 4) + most + 4, real=True) if unit else 1
+            for wave, most, unit in zip(largest, self.size, self._units, strict=True)
         )
         return Cell(self.symmetry.period, self.symmetry.fold, (along, around))
 
@@ -191,11 +207,25 @@ class TubeProblem:
         matrix[size + 2 :] = rows
         return np.asarray(np.linalg.solve(matrix, rhs))
 
+    @property
+    def wave_number(self) -> float:
+        """Of the waves that the symmetry has, by that of short ones; 1 for longer. Multipliers are of its square's size."""
+        s = self.symmetry
+        return max(1.0, math.hypot((s.period or s.turns) * self.k, math.sqrt(max(s.fold**2 - 1, 0))) / SHORT_WAVE)
+
     @cached_property
     def weights(self) -> Array:
-        """Of the entries of ``u`` in the inner product: mean squares of the modes, 1 for the parameters."""
-        squares = [(0.5 if mode.p else 1.0) * (0.5 if mode.b else 1.0) for mode in self.modes]
-        return np.array([*squares, *np.ones(len(self.free))])
+        """Of the entries of ``u`` in the inner product: mean squares of the modes, 1 for the parameters.
+
+        Waves much shorter than the tube's radius have amplitudes and multipliers of another size, by powers of their number.
+        """
+        across = self.wave_number**2
+        squares = [
+            (0.5 if mode.p else 1.0) * (0.5 if mode.b else 1.0) * (across if mode.p or mode.harmonic else 1.0)
+            for mode in self.modes
+        ]
+        powers = {"lambda1": 2, "lambda2": 2, "c0": 1}
+        return np.array([*squares, *(across ** -powers.get(name, 0) for name in self.free)])
 
     def inner(self, u: Array, v: Array) -> float:
         """Inner product that does not depend on the number of modes."""
@@ -326,23 +356,46 @@ class TubeProblem:
         """None: the multipliers of these families stay finite."""
         return {}
 
-    def equilibrium(self, u: Array) -> Equilibrium:
-        """The solution as its second variation needs it."""
-        waves, parameters = self._waves(u), self.parameters(u)
-        fields = waves.state(self.cell, self.coefficients(u))
-        return Equilibrium(self.cell, fields, waves.waves.kappa, parameters.c0, parameters.lambda1, parameters.lambda2)
+    def equilibrium(self, u: Array, cell: Cell | None = None) -> Equilibrium:
+        """The solution as its second variation needs it, on the points of its own cell or of another."""
+        waves, parameters, cell = self._waves(u), self.parameters(u), cell or self.cell
+        fields = waves.state(cell, self.coefficients(u))
+        return Equilibrium(cell, fields, waves.waves.kappa, parameters.c0, parameters.lambda1, parameters.lambda2)
 
-    def _blocks(self, u: Array) -> dict[TubeBlock, ModeWaves]:
-        """All blocks of perturbations, on the problem's length; their waves go a little beyond the solution's."""
+    def _reach(self, u: Array) -> tuple[int, int]:
+        """Largest wave numbers of perturbations, along and around: a little beyond the solution's, and all that may grow."""
         period, fold = self._units
         parameters, largest = self.parameters(u), self._largest(u)
         around = max(8, fold * self.size[1] + 2, math.ceil(largest) + 2)
-        fastest = math.ceil(largest * parameters.length / (2 * math.pi))
+        # In a turning frame, the wave (m, n) at rest has m + turns n waves along.
+        fastest = math.ceil(largest * math.hypot(parameters.length / (2 * math.pi), self.symmetry.turns))
         along = max(period * (self.size[0] + 2), fastest + 2) if period else fastest + self.symmetry.turns
-        if (along, around) not in self._known_blocks:
-            waves = ellipse(1, 1, (along, around)) if period else list(product(range(along + 1), range(around + 1)))
-            self._known_blocks[along, around] = self._shared(self.symmetry.blocks(waves))
-        return self._known_blocks[along, around]
+        return along, around
+
+    def _blocks(self, reach: tuple[int, int]) -> dict[TubeBlock, ModeWaves]:
+        """All blocks of perturbations up to the largest wave numbers, on the problem's length.
+
+        Raises:
+            SpectrumError: they are too many.
+        """
+        if reach not in self._known_blocks:
+            along, around = reach
+            waves: list[tuple[int, int]] = []
+            if along * around < MOST_WAVES:
+                waves = ellipse(1, 1, reach) if self._units[0] else list(product(range(along + 1), range(around + 1)))
+            blocks = self.symmetry.blocks(waves)
+            if not waves or sum(len(modes) ** 3 for modes in blocks.values()) > MOST_WORK:
+                raise SpectrumError(
+                    f"its stability would take too many modes: up to {along} waves along and {around} around it "
+                    "may grow; take a shorter tube, or fewer waves"
+                )
+            self._known_blocks[reach] = self._shared(blocks)
+        return self._known_blocks[reach]
+
+    def _perturbed(self, u: Array, reach: tuple[int, int]) -> Equilibrium:
+        """The solution on points that resolve its perturbations."""
+        along, around = (math.ceil(most / (unit or 1)) for most, unit in zip(reach, self._units, strict=True))
+        return self.equilibrium(u, self._cell_for((along, around)))
 
     def _largest(self, u: Array) -> float:
         """A wave number beyond which nothing grows, along the tube or around it.
@@ -373,8 +426,9 @@ class TubeProblem:
 
     def spectrum(self, u: Array) -> TubeSpectrum:
         """Growth rates of all perturbations that fit the tube."""
-        equilibrium, known = self.equilibrium(u), self.known(u)
-        rates, kernel, blocks = {}, 0.0, self._blocks(u)
+        reach = self._reach(u)
+        equilibrium, known = self._perturbed(u, reach), self.known(u)
+        rates, kernel, blocks = {}, 0.0, self._blocks(reach)
         for block, modes in zip(blocks, self._stretched(u, *blocks.values()), strict=True):
             rates[block], error = self._rates(equilibrium, known, modes)
             kernel = max(kernel, error)
@@ -382,8 +436,9 @@ class TubeProblem:
 
     def block_rates(self, u: Array, block: TubeBlock, like: TubeSpectrum) -> Array:
         """Growth rates in one block."""
-        (modes,) = self._stretched(u, self._blocks(u)[block])
-        return self._rates(self.equilibrium(u), self.known(u), modes)[0]
+        reach = self._reach(u)
+        (modes,) = self._stretched(u, self._blocks(reach)[block])
+        return self._rates(self._perturbed(u, reach), self.known(u), modes)[0]
 
     def section(self, u: Array, x: float, points: int = 181) -> tuple[Array, Array]:
         """The cross-section at ``x`` as a closed curve in the plane: ``y`` and ``z``."""

@@ -13,9 +13,11 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import cholesky, eigh, solve_triangular
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.errors import SpectrumError
+from pearlbvp.stability.spectrum import ROUNDING
 from pearlbvp.tube.density import gradients, hessians
 from pearlbvp.tube.symmetry import TubeBlock
 from pearlbvp.tube.waves import (
@@ -41,7 +43,7 @@ class TubeSpectrum:
     """Growth rates of a tube.
 
     Attributes:
-        rates: of each block the largest, largest first, rigid motions left out.
+        rates: of each block the largest, all positive ones among them, largest first, rigid motions left out.
         kernel: largest error of a rigid motion as a kernel: 0 on an exact solution, and the error of all rates.
         complete: whether all unstable perturbations were counted.
     """
@@ -62,8 +64,9 @@ class TubeSpectrum:
 
     @property
     def neutral(self) -> float:
-        """Growth rates of this size are zero to the accuracy of the spectrum."""
-        return 1e-9 + 10 * self.kernel
+        """Growth rates of this size are zero to the accuracy of the spectrum: its kernels', and rounding."""
+        largest = max((float(np.abs(rates).max(initial=0.0)) for rates in self.rates.values()), default=0.0)
+        return 1e-9 + ROUNDING * largest + 10 * self.kernel
 
     @property
     def n_unstable(self) -> int:
@@ -102,11 +105,7 @@ class TubeSpectrum:
 
 
 KEPT = 8
-"""Growth rates that are kept of each block."""
-
-
-LARGEST_RATE = 1e8
-"""Growth rates beyond this are a matrix gone wrong."""
+"""Growth rates that are kept of each block, at least."""
 
 
 @dataclass(frozen=True)
@@ -260,21 +259,34 @@ def block_rates(
 
 
 def _leading(second: Array, mass: Array) -> Array:
-    """The largest growth rates, from the largest eigenvalues of ``mass`` against ``second + shift mass``.
+    """The largest growth rates, all positive ones among them, largest first.
 
-    The other way round their error would be rounding times the fastest decay over the lightest displacement: on slender coils,
-    where some displacements hardly move the surface along its normal, that is more than the rates themselves.
+    They come from the largest eigenvalues of ``mass`` against ``second + shift mass``. The other way round their error would be
+    rounding times the fastest decay over the lightest displacement: on slender coils, where some displacements hardly move the
+    surface along its normal, that is more than the rates themselves.
+
+    Raises:
+        SpectrumError: displacements that do not move the surface grow, which is a matrix gone wrong.
     """
-    wanted = [max(0, len(mass) - KEPT), len(mass) - 1]
-    shift = 16.0  # above all growth rates: the matrix is positive definite
+    shift, largest = 16.0, 1e3 * max(16.0, float(np.abs(second).max() / np.abs(np.diag(mass)).max()))
     while True:
         try:
-            inverse = eigh(mass, second + shift * mass, eigvals_only=True, subset_by_index=wanted)
-            return np.asarray(shift - 1 / inverse[::-1])
+            factor = cholesky(second + shift * mass, lower=True)  # above all growth rates it is positive definite
+            break
         except np.linalg.LinAlgError:
-            if shift > LARGEST_RATE:
-                raise
+            if shift > largest:
+                raise SpectrumError(
+                    f"its growth rates have no bound up to {largest:.0e}: the modes do not resolve them"
+                ) from None
             shift *= 8
+    inverse = solve_triangular(factor, solve_triangular(factor, mass, lower=True).T, lower=True)
+    size, kept = len(mass), KEPT
+    while True:
+        found = eigh(inverse, eigvals_only=True, subset_by_index=[max(0, size - kept), size - 1])
+        rates = np.asarray(shift - 1 / found[::-1])
+        if rates[-1] < 0 or kept >= size:
+            return rates
+        kept *= 4
 
 
 def _residual(second: Array, mass: Array, kernel: Array, largest: float) -> float:

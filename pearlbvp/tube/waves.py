@@ -95,16 +95,29 @@ class Waves:
 
     def bending_forms(self, cell: Cell, transform: MatrixTransform) -> Forms:
         """``mean of z . W z'`` of the jets ``z`` of each pair of waves, ``W`` given as ``matrix_transform``."""
-        return self._forms(cell, self.jets, np.where(self.centre, 6, 0), np.where(self.centre, 10, 6), transform)
+        first, last = np.where(self.centre, 6, 0), np.where(self.centre, 10, 6)
+        forms = self._forms(cell, self.jets, first, last, transform, of_centre=True)
+        order = np.argsort(self.p, kind="stable")
+        order = order[~self.centre[order]]
+        starts = np.append(np.flatnonzero(np.diff(self.p[order], prepend=-1)), len(order))
+        _add_sections(tuple(forms), self.k, self.p, self.b, order, starts, *transform, cell.period, cell.fold)
+        return forms
 
     def moving_forms(self, cell: Cell, transform: MatrixTransform) -> Forms:
         """``mean of z . W z'`` of the displacements ``z`` of each pair of waves, ``W`` given as ``matrix_transform``."""
         return self._forms(cell, self.moved, np.zeros_like(self.p), np.where(self.centre, 2, 1), transform)
 
     def _forms(
-        self, cell: Cell, z: Array, first: NDArray[np.intp], last: NDArray[np.intp], transform: MatrixTransform
+        self,
+        cell: Cell,
+        z: Array,
+        first: NDArray[np.intp],
+        last: NDArray[np.intp],
+        transform: MatrixTransform,
+        *,
+        of_centre: bool = False,
     ) -> Forms:
-        return Forms(*_forms(z, first, last, self.p, self.b, *transform, cell.period, cell.fold))
+        return Forms(*_forms(z, first, last, self.p, self.b, *transform, cell.period, cell.fold, of_centre))
 
 
 IMAGINARY_JETS = (4, 5, 8, 9)
@@ -143,7 +156,11 @@ class Forms(NamedTuple):
 
 MatrixTransform = tuple[Array, Array]
 """Fourier coefficients of matrices W, times the phases of what stands left and right of them (1 or i), the left one conjugate
-in the first; each of shape (points along, points around, F, F, 2), real and imaginary parts last."""
+in the first; each of shape (1 or 2, points along, points around, F, F), real and imaginary parts first. Where the surface is
+even along and around, all are real."""
+
+REAL = 1e-14
+"""Imaginary parts below this, by the largest coefficient, are rounding."""
 
 
 def matrix_transform(cell: Cell, weights: Array, imaginary: Sequence[int]) -> MatrixTransform:
@@ -153,16 +170,19 @@ def matrix_transform(cell: Cell, weights: Array, imaginary: Sequence[int]) -> Ma
     half = rfft2(weights[:, rows, columns].T.reshape(-1, *cell.points), norm="forward")
     phases = np.where(np.isin(np.arange(size), imaginary), 1j, 1.0)
     straight, crossed = np.outer(phases.conj(), phases), np.outer(phases, phases)
-    found = _all_frequencies(half, cell.points[1], rows, columns, straight, crossed)
+    # A coefficient of two real entries, or two imaginary ones, is real on an even surface; of one of each it is imaginary.
+    turned = half * straight[rows, columns][:, None, None]
+    parts = 2 if np.abs(turned.imag).max() > REAL * np.abs(half).max() else 1
+    found = _all_frequencies(half, cell.points[1], rows, columns, straight, crossed, parts)
     return found[0], found[1]
 
 
 @compiled
-def _all_frequencies(half, around, rows, columns, straight, crossed):  # type: ignore[no-untyped-def]
+def _all_frequencies(half, around, rows, columns, straight, crossed, parts):  # type: ignore[no-untyped-def]
     """Whole symmetric matrices at all frequencies, from their lower halves at those that a real transform keeps."""
     count, along, kept = half.shape
     size = len(straight)
-    full = np.empty((2, along, around, size, size, 2))
+    full = np.empty((2, parts, along, around, size, size))
     for x in range(along):
         for y in range(around):
             mirrored = y >= kept
@@ -172,10 +192,10 @@ def _all_frequencies(half, around, rows, columns, straight, crossed):  # type: i
                 if mirrored:
                     value = np.conj(value)
                 for a, c in ((rows[entry], columns[entry]), (columns[entry], rows[entry])):
-                    turned = value * straight[a, c]
-                    full[0, x, y, a, c, 0], full[0, x, y, a, c, 1] = turned.real, turned.imag
-                    turned = value * crossed[a, c]
-                    full[1, x, y, a, c, 0], full[1, x, y, a, c, 1] = turned.real, turned.imag
+                    first, second = value * straight[a, c], value * crossed[a, c]
+                    full[0, 0, x, y, a, c], full[1, 0, x, y, a, c] = first.real, second.real
+                    if parts > 1:
+                        full[0, 1, x, y, a, c], full[1, 1, x, y, a, c] = first.imag, second.imag
     return full
 
 
@@ -293,28 +313,112 @@ def _place(number, unit, points):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _forms(z, first, last, p, b, straight, crossed, period, fold):  # type: ignore[no-untyped-def]
-    """``cosines``, ``sines`` and ``mixed`` of ``Forms``; only entries ``first`` to ``last`` of a wave's ``z`` are not zero."""
-    count, along, around = len(p), straight.shape[0], straight.shape[1]
+def _forms(z, first, last, p, b, straight, crossed, period, fold, of_centre):  # type: ignore[no-untyped-def]
+    """``cosines``, ``sines`` and ``mixed`` of ``Forms``; only entries ``first`` to ``last`` of a wave's ``z`` are not zero.
+
+    With ``of_centre``, of the pairs alone of which one or both move the centre.
+    """
+    count, parts, along, around = len(p), straight.shape[0], straight.shape[1], straight.shape[2]
     cosines, sines, mixed = np.zeros((count, count)), np.zeros((count, count)), np.zeros((count, count))
     for i in range(count):
         for j in range(i + 1):
+            if of_centre and abs(b[i]) != 1 and abs(b[j]) != 1:
+                continue
             re = im = re2 = im2 = 0.0
             x, y = _place(p[i] - p[j], period, along), _place(b[i] - b[j], fold, around)
             if x >= 0 and y >= 0:  # mean of conj(z e^{iq}) . W z' e^{iq'}
                 for a in range(first[i], last[i]):
                     for c in range(first[j], last[j]):
                         factor = z[i, a] * z[j, c]
-                        re += factor * straight[x, y, a, c, 0]
-                        im += factor * straight[x, y, a, c, 1]
+                        re += factor * straight[0, x, y, a, c]
+                        if parts > 1:
+                            im += factor * straight[1, x, y, a, c]
             x, y = _place(-p[i] - p[j], period, along), _place(-b[i] - b[j], fold, around)
             if x >= 0 and y >= 0:  # and without the conjugate
                 for a in range(first[i], last[i]):
                     for c in range(first[j], last[j]):
                         factor = z[i, a] * z[j, c]
-                        re2 += factor * crossed[x, y, a, c, 0]
-                        im2 += factor * crossed[x, y, a, c, 1]
+                        re2 += factor * crossed[0, x, y, a, c]
+                        if parts > 1:
+                            im2 += factor * crossed[1, x, y, a, c]
             cosines[i, j] = cosines[j, i] = (re + re2) / 2
             sines[i, j] = sines[j, i] = (re - re2) / 2
             mixed[i, j], mixed[j, i] = (im - im2) / 2, (-im - im2) / 2
     return cosines, sines, mixed
+
+
+@compiled
+def _powers_of_b(weights, one, other):  # type: ignore[no-untyped-def]
+    """Sections' jets contracted but for their powers of ``b``, at all frequencies around: shape (points around, 9).
+
+    Jets of a section are ``1, -k^2, -k b, -b^2, k, b``: entry ``3 u + v`` belongs to ``b^u b'^v``.
+
+    Args:
+        weights: matrices at one frequency along, shape (points around, F, F).
+        one, other: the numbers ``k`` of the two waves.
+    """
+    found = np.empty((len(weights), 9))
+    left, right = (1.0, -(one**2), -one, -1.0, one, 1.0), (1.0, -(other**2), -other, -1.0, other, 1.0)
+    half = np.empty((3, 6))
+    for y in range(len(weights)):
+        w = weights[y]
+        for c in range(6):
+            half[0, c] = w[0, c] + left[1] * w[1, c] + left[4] * w[4, c]
+            half[1, c] = left[2] * w[2, c] + w[5, c]
+            half[2, c] = -w[3, c]
+        for u in range(3):
+            found[y, 3 * u] = half[u, 0] + right[1] * half[u, 1] + right[4] * half[u, 4]
+            found[y, 3 * u + 1] = right[2] * half[u, 2] + half[u, 5]
+            found[y, 3 * u + 2] = -half[u, 3]
+    return found
+
+
+@compiled
+def _add_sections(forms, k, p, b, order, starts, straight, crossed, period, fold):  # type: ignore[no-untyped-def]
+    """Add the pairs of two sections to ``cosines``, ``sines`` and ``mixed``.
+
+    Args:
+        forms: the three, to be added to.
+        k: unit of the wave numbers along.
+        p, b: wave numbers.
+        order: waves of sections, those of one ``p`` together.
+        starts: where each ``p`` starts in that order, and the end.
+        straight, crossed: as ``matrix_transform`` gives them.
+        period, fold: of the cell.
+    """
+    cosines, sines, mixed = forms
+    parts, along, around = straight.shape[0], straight.shape[1], straight.shape[2]
+    for first in range(len(starts) - 1):
+        for second in range(first + 1):
+            one, other = p[order[starts[first]]], p[order[starts[second]]]
+            for sign in (1, -1):  # of the first wave: its conjugate, and itself
+                x = _place(sign * one - other, period, along)
+                if x < 0:
+                    continue
+                for part in range(parts):
+                    weights = straight[part, x] if sign == 1 else crossed[part, x]
+                    table = _powers_of_b(weights, one * k, other * k)
+                    for at in range(starts[first], starts[first + 1]):
+                        i = order[at]
+                        end = starts[second + 1] if second < first else at + 1
+                        for beside in range(starts[second], end):
+                            j = order[beside]
+                            y = _place(sign * b[i] - b[j], fold, around)
+                            if y < 0:
+                                continue
+                            t, c, d = table[y], b[i], b[j]
+                            value = (
+                                t[0]
+                                + d * (t[1] + d * t[2])
+                                + c * (t[3] + d * (t[4] + d * t[5]) + c * (t[6] + d * (t[7] + d * t[8])))
+                            ) / 2
+                            if part == 0:
+                                cosines[i, j] += value
+                                sines[i, j] += sign * value
+                                if i != j:
+                                    cosines[j, i] += value
+                                    sines[j, i] += sign * value
+                            else:
+                                mixed[i, j] += sign * value
+                                if i != j:
+                                    mixed[j, i] -= value

@@ -2,7 +2,7 @@
 
 Run as ``python tests/benchmarks/robustness.py``. A run succeeds where its branch point is the first one, within 1e-8 of the
 reference in ``lambda2``, and its localized pearl at ``v = 1.1`` within 1e-7 in ``lambda2``, and stable. The references are
-those of the finest setting, and the table's (``pearlbvp localized``). AUTO-07p finds 150 of 180.
+those of the finest setting, and the table's (``pearlbvp localized``).
 """
 
 from __future__ import annotations
