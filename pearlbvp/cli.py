@@ -11,6 +11,7 @@ import logging
 import os
 import signal
 import sys
+from concurrent.futures.process import BrokenProcessPool
 
 import click
 
@@ -21,10 +22,11 @@ from pearlbvp.commands.dispersion import dispersion
 from pearlbvp.commands.flow import flow
 from pearlbvp.commands.localized import localized
 from pearlbvp.commands.mesh import mesh
-from pearlbvp.commands.output import DONE, INTERRUPTED, UNUSABLE
+from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, UNUSABLE
 from pearlbvp.commands.period import period
 from pearlbvp.commands.region import region
 from pearlbvp.errors import InputError, interrupted
+from pearlbvp.files import shortened
 
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -57,7 +59,8 @@ def main(arguments: list[str] | None = None) -> None:
         _drop_standard_output()
         status = DONE
     except OSError as error:
-        print(f"pearlbvp: standard output: {error.strerror}; free space or use --out", file=sys.stderr)
+        where = "standard output" if error.filename is None else shortened(error.filename)
+        print(f"pearlbvp: {where}: {error.strerror or error}; free space or choose another place", file=sys.stderr)
         _drop_standard_output()
         status = UNUSABLE
     sys.exit(status)
@@ -93,14 +96,15 @@ def _run(arguments: list[str] | None) -> int:
     except InputError as error:
         print(f"pearlbvp: {error}", file=sys.stderr)
         return UNUSABLE
-    except (click.Abort, KeyboardInterrupt):
-        print("pearlbvp: interrupted", file=sys.stderr)
-        return INTERRUPTED
-    except SystemError as error:  # what an interruption inside compiled code turns into
-        if not interrupted(error):
+    except (click.Abort, KeyboardInterrupt, SystemError) as error:  # compiled code turns an interruption into the last
+        if not interrupted(error):  # click takes the end of any file for one
             raise
         print("pearlbvp: interrupted", file=sys.stderr)
         return INTERRUPTED
+    except (BrokenProcessPool, MemoryError) as error:
+        what = "a process of it was killed" if isinstance(error, BrokenProcessPool) else "there is too little memory"
+        print(f"pearlbvp: {what}, perhaps for want of memory; ask for less at once", file=sys.stderr)
+        return SOME_FAILED
 
 
 def _drop_standard_output() -> None:

@@ -1,13 +1,68 @@
-"""Files that are whole or not there: written beside their destination, then renamed onto it."""
+"""Files of the user: inputs are regular files of bounded size, outputs are whole or not there."""
 
 from __future__ import annotations
 
+import errno
 import os
+import stat
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 from pearlbvp.errors import InputError
+
+MOST_TEXT = 2**26
+"""Bytes of the longest table that is read (64 MB): some million rows."""
+
+MOST_BINARY = 2**31
+"""Bytes of the longest saved branch, flow or mesh that is read or written (2 GB)."""
+
+LONGEST_ENDING = 16
+"""Characters of a file's ending that its temporary name keeps: longer ones name no format."""
+
+
+def readable(name: str, path: str | os.PathLike[str], most: int = MOST_BINARY) -> Path:
+    """``path`` as a Path, if it is a regular file of bounded size: a device or a pipe might never end.
+
+    Args:
+        name: the argument's name, for the message.
+        path: of the file.
+        most: bytes that it may have.
+
+    Raises:
+        InputError: there is no such file, or it is none that can be read.
+    """
+    path = Path(path)
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        raise InputError(f"{name}: there is no file {path}; give one that exists") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{name}: {shortened(path)} cannot be read ({_why(error)}); give another file") from None
+    if stat.S_ISDIR(found.st_mode):
+        raise InputError(f"{name}: {path} is a folder; give a file's name")
+    if not stat.S_ISREG(found.st_mode):
+        raise InputError(f"{name}: {path} is no ordinary file but a device or a pipe; write it to a file first")
+    if found.st_size > most:
+        raise InputError(f"{name}: {path} has {found.st_size:.3g} bytes, more than {most:.3g}; give a smaller file")
+    return path
+
+
+def read_whole(name: str, path: str | os.PathLike[str], most: int = MOST_BINARY) -> bytes:
+    """The bytes of an input; see ``readable``.
+
+    Raises:
+        InputError: as ``readable``, or the file cannot be opened, or does not fit into memory.
+    """
+    path = readable(name, path, most)
+    try:
+        with path.open("rb") as file:
+            content = file.read(most + 1)
+    except (OSError, MemoryError) as error:
+        raise InputError(f"{name}: {path} cannot be read ({_why(error)}); give another file") from None
+    if len(content) > most:  # files of /proc say that they have 0
+        raise InputError(f"{name}: {path} has more than {most:.3g} bytes; give a smaller file")
+    return content
 
 
 def writable(name: str, path: str | os.PathLike[str]) -> Path:
@@ -18,20 +73,33 @@ def writable(name: str, path: str | os.PathLike[str]) -> Path:
         path: where a file is to be written.
 
     Raises:
-        InputError: its folder does not exist or cannot be written to, or it is a folder itself.
+        InputError: its folder does not exist or cannot be written to, or it is a folder itself, or write-protected, or
+            its name is too long.
     """
-    path = Path(os.path.realpath(path))  # what a link points to is written, not the link
+    if os.fspath(path) == "-":
+        raise InputError(f"{name}: - is standard output, which takes the table alone; give a file's name")
+    path, found = Path(path), None
+    try:
+        path = Path(os.path.realpath(path))  # what a link points to is written, not the link
+        found = path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except (OSError, ValueError) as error:
+        raise InputError(f"{name}: {shortened(path)} cannot be written ({_why(error)}); give another name") from None
     folder = path.parent
     if not folder.is_dir():
         raise InputError(f"{name}: the folder {folder} does not exist; make it first")
-    if path.is_dir():
+    if found is not None and stat.S_ISDIR(found.st_mode):
         raise InputError(f"{name}: {path} is a folder; give a file's name")
-    if not os.access(folder, os.W_OK):
+    # Renaming onto a file needs no right to write it, and a superuser has all rights: its own bits say what is meant.
+    if found is not None and (not found.st_mode & 0o222 or not os.access(path, os.W_OK)):
+        raise InputError(f"{name}: {path} is write-protected; give another name, or chmod u+w it first")
+    if not os.access(folder, os.W_OK) and not (found and not stat.S_ISREG(found.st_mode)):
         raise InputError(f"{name}: the folder {folder} cannot be written to; choose another")
     return path
 
 
-def write_whole(name: str, path: Path, write: Callable[[Path], None]) -> None:
+def write_whole(name: str, path: Path, write: Callable[[Path], object]) -> None:
     """Let ``write`` fill a temporary file beside ``path``, then rename it; on any failure nothing is left behind.
 
     Raises:
@@ -42,18 +110,50 @@ def write_whole(name: str, path: Path, write: Callable[[Path], None]) -> None:
         if path.exists() and not path.is_file():  # a device or a pipe: there is nothing to rename onto
             write(path)
             return
-        handle, temporary_name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+        ending = path.suffix if len(path.suffix) <= LONGEST_ENDING else ""
+        handle, temporary_name = tempfile.mkstemp(prefix=".pearlbvp-", suffix=ending, dir=path.parent)
         os.close(handle)
         temporary = Path(temporary_name)
         write(temporary)
-        mask = os.umask(0)
-        os.umask(mask)
-        temporary.chmod(0o666 & ~mask)
+        temporary.chmod(_mode(path))
         temporary.replace(path)
-    except OSError as error:
-        raise InputError(
-            f"{name}: {path} could not be written ({error.strerror or error}); free space or choose another place"
-        ) from None
+    except Exception as error:
+        failed = _of_the_system(error)
+        if failed is None:
+            raise
+        raise InputError(f"{name}: {path} could not be written ({_why(failed)}); {_remedy(failed)}") from None
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+
+
+def _of_the_system(error: BaseException | None) -> OSError | None:
+    """The system's error behind one of a library, which stumbled over its own half-written file while it closed that."""
+    while error is not None and not isinstance(error, OSError):
+        error = error.__cause__ or error.__context__
+    return error
+
+
+def _mode(path: Path) -> int:
+    """Rights of a file that is to be: those of the one that it replaces, or what the user's mask leaves."""
+    if path.exists():
+        return stat.S_IMODE(path.stat().st_mode)
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask
+
+
+def shortened(path: str | os.PathLike[str]) -> str:
+    """A name for a message: the beginning of one that is too long for a line."""
+    text = os.fspath(path)
+    return text if len(text) <= 200 else f"{text[:60]}... ({len(text)} characters)"
+
+
+def _why(error: BaseException) -> str:
+    if isinstance(error, MemoryError):
+        return "it does not fit into memory"
+    return str(getattr(error, "strerror", None) or error)
+
+
+def _remedy(error: OSError) -> str:
+    return "give a shorter name" if error.errno == errno.ENAMETOOLONG else "free space or choose another place"

@@ -245,6 +245,9 @@ def test_a_shape_that_leads_nowhere_is_said():
         shape_branch(0.0, 10, 5.0, [0.1])
     with pytest.raises(InputError, match="^volume: "):
         shape_branch(0.0, 10, -1.0, [0.1])
+    for cosines in ([-0.3, 0.5], [0.1], [0.0, 0.2]):  # at v = 1 and c0 = 0 all roads lead to the straight tube
+        with pytest.raises(InputError, match="^shape: .*lies the straight tube"):
+            shape_branch(0.0, 10, 1.0, cosines)
 
 
 def test_the_least_energy_shape_lies_on_the_continued_branch():

@@ -4,14 +4,17 @@ import io
 import os
 import subprocess
 import sys
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
+import click
 import pandas as pd
 import pytest
 from commands import is_png, run
 
 from pearlbvp.cli import cli
 from pearlbvp.commands.output import PICTURES
+from pearlbvp.errors import InputError
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -177,6 +180,109 @@ def test_a_full_disk_is_one_line_and_no_file(arguments, tmp_path):
     assert process.stderr.count("\n") == 1
     assert "space" in process.stderr
     assert os.listdir(tmp_path) == []
+
+
+LIMITED = "ulimit -f {blocks}; trap '' XFSZ; exec {python} -m pearlbvp {words}"
+"""No file may grow beyond so many kilobytes, as on a disk that is full; the limit is the shell's."""
+
+
+def limited(blocks, *words):
+    command = LIMITED.format(blocks=blocks, python=sys.executable, words=" ".join(map(str, words)))
+    return subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+
+
+def test_a_disk_that_fills_loses_only_what_does_not_fit(tmp_path):
+    """Branch, flow, movie, picture and mesh are larger than 4 kB, their tables smaller: these are written, nothing is left."""
+    branch = ["branch", "pearl", "--c0", 0, "--length", 10, "--until", "v=1.01"]
+    files = ["--out", tmp_path / "t.csv", "--save", tmp_path / "b.h5", "--plot", tmp_path / "p.pdf"]
+    done = limited(4, *branch, *files)
+    assert done.returncode == 2, done.stderr
+    said = [line for line in done.stderr.splitlines() if "compiling" not in line]
+    assert len(said) == 1, done.stderr
+    assert "--save: " in said[0]
+    assert "--plot: " in said[0]
+    assert "Traceback" not in done.stderr
+    assert os.listdir(tmp_path) == ["t.csv"]
+    assert pd.read_csv(tmp_path / "t.csv").v.iloc[-1] == pytest.approx(1.01)
+    for ending in ("vtu", "ply", "obj"):
+        done = limited(4, "mesh", "--length", 10, "--nodes", 500, "--out", tmp_path / f"m.{ending}")
+        assert (done.returncode, len(done.stdout.splitlines())) == (2, 2), done.stderr
+        assert "pearlbvp: --out: " in done.stderr
+        assert "Traceback" not in done.stderr
+    assert os.listdir(tmp_path) == ["t.csv"]
+
+
+def test_the_table_of_a_run_whose_checkpoints_fail_is_written(tmp_path, capsys, monkeypatch):
+    """Whenever they are written: here at every point of a branch and at every step of a flow."""
+    from pearlbvp import hdf5
+    from pearlbvp.commands import branch
+    from pearlbvp.flow import driver
+
+    def full(name, path, write):
+        tried.append(name)
+        raise InputError(f"{name}: {path} could not be written (No space left on device); free space")
+
+    tried = []
+    monkeypatch.setattr(hdf5, "write_whole", full)
+    monkeypatch.setattr(branch._Checkpoint.__init__, "__defaults__", (-1.0,))
+    save = ["--save", tmp_path / "b.h5"]
+    status, out, err = run(capsys, "branch", "pearl", "--c0", 0, "--length", 10, "--until", "v=1.01", *save)
+    assert (status, err.count("\n")) == (2, 1)
+    assert err.startswith("pearlbvp: --save: ")
+    assert len(out.splitlines()) > 3
+    assert len(tried) > 2
+    tried.clear()
+    begin = driver.FlowOptions
+    monkeypatch.setattr(driver, "FlowOptions", lambda **settings: begin(**{**settings, "every": 1e-9}))
+    flow = ["flow", "--c0", 0, "--length", 10, "--point", "v=1.05", "--time", 0.1]
+    status, out, err = run(capsys, *flow, "--save", tmp_path / "f.h5", "--save-end", tmp_path / "e.h5")
+    assert (status, err.count("\n")) == (2, 1)
+    assert err.startswith("pearlbvp: --save: ")
+    assert len(out.splitlines()) > 3
+    assert len(tried) > 3
+    assert os.listdir(tmp_path) == []
+
+
+def test_standard_output_has_a_name(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    plain = run(capsys, "dispersion", "--c0", "0", "--length", "10")
+    assert run(capsys, "dispersion", "--c0", "0", "--length", "10", "--out", "-") == plain
+    for option in ("--plot", "--save"):
+        status, _, err = run(capsys, "branch", "pearl", "--c0", "0", "--length", "10", option, "-")
+        assert (status, err.count("\n")) == (2, 1)
+    assert os.listdir(tmp_path) == []
+
+
+def test_the_end_of_a_file_is_no_interruption(monkeypatch):
+    """click takes every EOFError for the user's: here it is a defect, and must be seen as one."""
+    from pearlbvp import cli as room
+
+    def broken(*arguments, **how):
+        raise EOFError
+
+    monkeypatch.setattr(room.dispersion, "invoke", broken)
+    with pytest.raises(click.Abort):
+        room.main(["dispersion", "--c0", "0", "--length", "10"])
+
+
+def test_rows_of_a_worker_that_is_killed_are_computed_all_the_same(capsys, monkeypatch):
+    import joblib
+
+    class Killed:
+        def __init__(self, **how):
+            pass
+
+        def __call__(self, tasks):
+            for count, (function, arguments, _) in enumerate(tasks):
+                if count == 1:
+                    raise BrokenProcessPool
+                yield function(*arguments)
+
+    expected = run(capsys, "period", "--c0", "0.3,0.48", "--lengths", "15,16", "--processes", "1")
+    monkeypatch.setattr(joblib, "Parallel", Killed)
+    status, out, err = run(capsys, "period", "--c0", "0.3,0.48", "--lengths", "15,16", "--processes", "2")
+    assert (status, out) == expected[:2]
+    assert err == "pearlbvp: a worker process was killed; the other 3 are done in one\n"
 
 
 def test_help_has_examples():

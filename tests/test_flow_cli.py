@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -99,6 +100,18 @@ def test_a_profile_from_a_table(capsys, folder):
     pearls = pearl_branch(0, 10 / scale, 1, branch_options({"v": end["v_reduced"]})).points[-1].observables
     for name, power in (("E", 2), ("lambda1", 2), ("lambda2", 3), ("r_min", -1)):
         assert end[name] * scale**power == pytest.approx(pearls[name], abs=1e-6)
+
+
+def test_a_profile_in_another_unit_is_not_taken_for_one_in_radii(capsys):
+    """A tube of radius 50 nm: without --radius refused with the radius to give, with it as the same profile in radii."""
+    path = Path(__file__).parent / "data" / "profile_in_nm.csv"
+    status, out, err = run(capsys, "flow", "--profile", str(path), "--c0", "0", "--length", "500")
+    assert (status, out) == (2, "")
+    assert err == "pearlbvp: --radius: the tube's radius is about 50, not 1; give --radius 50\n"
+    table, _ = rows_of(capsys, "--profile", path, "--c0", 0, "--length", 500, "--radius", 50, "--time", 50**4)
+    assert table["r_max"].iloc[0] == pytest.approx(52.5, abs=1e-3)
+    k = 2 * np.pi / 10
+    assert table["area"].iloc[0] == pytest.approx(1 + (0.05 * k) ** 2 / 4, abs=1e-6)
 
 
 def test_a_flow_onto_the_straight_tube_says_so(capsys, folder, tmp_path):
@@ -293,9 +306,14 @@ def test_a_saved_flow_is_resumed_at_a_radius(capsys, folder, tmp_path):
     second, _ = rows_of(capsys, "--resume", path, "--radius", 2, "--time", 32)
     assert second["t"].iloc[-1] == 32
     pd.testing.assert_frame_equal(second.iloc[: len(first)], first)
-    status, _, err = run(capsys, "flow", "--resume", str(path), "--radius", "2", "--time", "8")
-    assert status == 2
-    assert "t = 16 already" in err
+    for until in ("8", "16", "16.00000000000001", "16.0000000000004"):  # the last is a step that IDA cannot make
+        status, _, err = run(capsys, "flow", "--resume", str(path), "--radius", "2", "--time", until)
+        assert status == 2
+        assert "t = 16 already" in err
+    for until in (16.00000000001, 16.0000001):
+        assert rows_of(capsys, "--resume", path, "--radius", 2, "--time", until)[0]["t"].iloc[-1] == pytest.approx(
+            until
+        )
 
 
 def test_flows_on_triangulated_tubes(capsys, folder, tmp_path):

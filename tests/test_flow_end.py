@@ -14,8 +14,8 @@ from pearlbvp.flow.steady import polished
 from pearlbvp.flow.tube import TubeFlow
 from pearlbvp.studies import flow_end
 from pearlbvp.studies.branch import branch_options, pearl_branch
-from pearlbvp.studies.flow_end import continued, end_branch, recognized, solution_of, stability
-from pearlbvp.studies.flow_start import pearl_start, pearl_tube_start, tube_start
+from pearlbvp.studies.flow_end import _at_its_volume, continued, end_branch, recognized, solution_of, stability
+from pearlbvp.studies.flow_start import mesh_start, pearl_start, pearl_tube_start, tube_start
 from pearlbvp.studies.ring import ring_branch, ring_switched
 from pearlbvp.studies.saved import family_of, load, resumed, save
 from pearlbvp.studies.tube import tube_branch, tube_switched
@@ -289,6 +289,34 @@ def test_an_end_of_another_area_is_similar_to_a_branch_s_shape():
     for name in (*SAME, "c0"):
         assert observed[name] == pytest.approx(there.observables[name], abs=1e-9), name
     assert problem.spectrum(u).mu_crit == pytest.approx(end.growth_rates[0] * 1.2**4, rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["graph", "tube", "mesh"])
+def test_the_end_of_a_flow_that_keeps_its_area_is_on_the_tube_that_was_given(kind):
+    """Not on one that rounding made longer: in every digit."""
+    point = pearl_branch(0.75, 20.0, 2, branch_options({"v": 1.02})).points[-1].point
+    start = {
+        "graph": lambda: pearl_start(point.problem, point.u),
+        "tube": lambda: pearl_tube_start(point.problem, point.u, size=(24, 2)),
+        "mesh": lambda: mesh_start(point, 700),
+    }[kind]()
+    kept = start.problem.constraints(start.perturbed("critical", 0.02, keep=True))
+    np.testing.assert_allclose(kept, [1.0, 1.02 / 2], rtol=0, atol=1e-13)
+    problem, u = solution_of(polished(start.problem, start.q, start.multipliers, kept))
+    found = problem.observables(u)
+    assert (found["c0"], found["L"]) == (0.75, 20.0)
+
+
+def test_newton_s_method_that_does_not_converge_is_said_to_fail():
+    """At a volume that no shape has, of pearls in arclength and of tubes in reduced modes."""
+    pearls = pearl_branch(0.48, 15, 2, branch_options({"v": 1.02})).points[-1].point
+    tube = tubes(0.0, "coil", (1, 1), 0.9).point
+    for point in (pearls, tube):
+        u = point.u.copy()
+        u[-1] = 3.0
+        with pytest.raises(InputError, match=r"^flow: its end led to no equilibrium .*\(.+\); let it flow"):
+            _at_its_volume(point.problem, u)
+        np.testing.assert_allclose(_at_its_volume(point.problem, point.u), point.u, atol=1e-8)
 
 
 def test_equal_pearls_are_pearls_of_a_period():

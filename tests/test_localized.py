@@ -261,14 +261,21 @@ def test_lengths_in_every_form():
     ("text", "message"),
     [
         ("a,b\n1,2\n", "needs columns to match"),
-        ("L\n15\n", "needs columns to match"),
+        ("L,v_x\n15,2\n", "lacks c0, period"),
+        ("c0,period,l,v_x\n0.48,7.5,15,2\n", "lacks L"),
+        ("c0,period,length,v_x\n0.48,7.5,15,2\n", "lacks L"),
+        ("c0,period,L\n0.48,7.5,15\n", "has none besides"),
+        ("c0,period,L,v\n0.48,7.5,15,1\n", "column v is in the table already; rename it, to v_other"),
         ("L,v_x\n15\n", "2 columns but a row of 1"),
         ("L,v_x\n15,1,2\n", "2 columns but a row of 3"),
         ("L,v_x\nlong,2\n", "'long', which is no number"),
         ("L,v_x\n", "no table"),
         ("", "no table"),
-        ("L,v_x\n16,2\n", "no row of the file agrees"),
-        ("L,v_x\n15,2\n15,3\n", "two rows"),
+        ("c0,period,L,v_x\n0.48,7.5,16,2\n", "no row of the file agrees"),
+        ("c0,period,L,v_x\n0.3,7.5,15,2\n", "no row of the file agrees"),
+        ("\ufeffc0,period,L,v_x\n0.3,7.5,15,2\n", "no row of the file agrees"),
+        ("c0,period,L,v_x\n,7.5,15,2\n", "no row of the file agrees"),
+        ("c0,period,L,v_x\n0.48,7.5,15,2\n0.48,7.5,15,3\n", "two rows"),
     ],
 )
 def test_reference_tables_that_do_not_fit(tmp_path, table, text, message):
@@ -280,9 +287,11 @@ def test_reference_tables_that_do_not_fit(tmp_path, table, text, message):
 
 def test_reference_tables_that_fit(tmp_path, table):
     good = tmp_path / "good.csv"
-    good.write_text("# of somebody\nL,v_x\n45,2\n15,\n")
+    good.write_text("# of somebody\nv_x, L ,period,c0\n3,45,7.5,0.3\n2,45.000001,7.5,0.48\n,15,7.5,.48\n", "utf-8-sig")
     assert beside(table, read_reference(good)).v_x.dropna().tolist() == [2]
-    with pytest.raises(InputError, match="^compare: .*cannot be read"):
+    with pytest.raises(InputError, match="^compare: no row"):
+        beside(table, read_reference(Path(__file__).parent / "data" / "compare_bom_other_c0.csv"))
+    with pytest.raises(InputError, match="^compare: there is no file"):
         read_reference(tmp_path / "none.csv")
 
 

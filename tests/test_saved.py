@@ -5,7 +5,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pearlbvp.continuation.storage import KIND
 from pearlbvp.errors import InputError
+from pearlbvp.hdf5 import HEADER, sealed
 from pearlbvp.studies.branch import branch_options, pearl_branch
 from pearlbvp.studies.ring import ring_branch
 from pearlbvp.studies.saved import kind_of, load, resumed, save, switched
@@ -72,21 +74,32 @@ def test_files_that_are_no_branches(tmp_path, request, family):
         file["anything"] = np.zeros(3)
     with pytest.raises(InputError, match="^resume: .*no branch"):
         load(path)
-    for change in (_shorten, _rename):
+    for change in (_shorten, _rename, _empty, _nowhere):
         path.write_bytes(whole)
         with h5py.File(path, "r+") as file:
             change(file)
-        with pytest.raises(InputError, match="^resume: "):
+        path.write_bytes(sealed(KIND, path.read_bytes()[HEADER:]))
+        with pytest.raises(InputError, match=r"^resume: .*something is missing or misplaced in it"):
             load(path)
 
 
 def _shorten(file):
     del file["points/3/u"]
-    file["points/3/u"] = np.zeros(7)
+    file.create_dataset("points/3/u", data=np.zeros(7), chunks=(7,), fletcher32=True)
+
+
+def _empty(file):
+    del file["points"], file["special"]
+    file.create_group("points")
+    file.create_group("special")
+
+
+def _nowhere(file):
+    file["special/0"].attrs["index"] = 10**9
 
 
 def _rename(file):
-    file.attrs["kind"] = "__import__"
+    file.attrs["kind"] = np.bytes_("__import__")
 
 
 def test_checkpoints_of_a_resumed_branch_hold_all_of_it(pearls):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -75,9 +76,10 @@ def amplitude(
         name: predicted_branch(tube.c0, tube.length, modes[0], name, largest).table()
         for name in (equation.families if family is None else (chosen,))
     }
+    others: list[Callable[[], object]] = []
     if branch is not None:
         rows = predicted[chosen] if computed is None else compared(computed, equation, chosen)
-        write_table("--branch", branch, rows)
+        others.append(lambda: write_table("--branch", branch, rows))
 
     def draw() -> Figure:
         from pearlbvp.figures.amplitude import draw_prediction
@@ -85,7 +87,7 @@ def amplitude(
         title = f"c0 = {tube.c0:g}, L = {tube.length:g}, mode ({equation.m},{equation.n})"
         return draw_prediction(predicted, computed, title)
 
-    return write(table, out, plot, draw)
+    return write(table, out, plot, draw, others)
 
 
 @click.command(
@@ -117,12 +119,13 @@ def amplitude_map(
     meetings = None if meetings is None else writable("--meetings", meetings)
     check_distinct({"--out": out, "--plot": plot, "--meetings": meetings})
     table = instability_map(c0, lengths)
+    others: list[Callable[[], object]] = []
     if meetings is not None:
-        write_table("--meetings", meetings, meeting_points(c0, lengths))
+        others.append(lambda: write_table("--meetings", meetings, meeting_points(c0, lengths)))
 
     def draw() -> Figure:
         from pearlbvp.figures.amplitude import draw_map
 
         return draw_map(table, exchange_curve(c0))
 
-    return write(table, out, plot, draw)
+    return write(table, out, plot, draw, others)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import time
@@ -239,15 +240,14 @@ def branch(
         else:
             found = saved.resumed(known, options)
     table = units.columns(found.table()[study.COLUMNS])
-    if save is not None:
-        saved.save(found, save)
+    saves = [] if save is None else [lambda: saved.save(found, save)]
 
     def draw() -> Figure:
         from pearlbvp.figures.branch import draw_branch
 
         return draw_branch(found, table, units=units)
 
-    write(table, out, plot, draw)
+    write(table, out, plot, draw, saves)
     if not found.complete:
         advice = ""
         if MOVED_AWAY in found.reason:
@@ -353,5 +353,6 @@ class _Checkpoint:
         if self.path is not None and time.monotonic() - self.last > self.seconds:
             from pearlbvp.studies.saved import save
 
-            save(branch, self.path)
+            with contextlib.suppress(InputError):  # a full disk may have room again; the end says what was not saved
+                save(branch, self.path)
             self.last = time.monotonic()

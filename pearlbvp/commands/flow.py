@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,7 +53,7 @@ if TYPE_CHECKING:
 @click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the tube.")
 @click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
 @click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv",
-              help="Start from radii instead: columns x and r, with --c0 and --length.")  # fmt: skip
+              help="Start from radii instead: columns x and r of one period, with --c0 and --length.")  # fmt: skip
 @click.option("--mesh", type=click.Path(path_type=Path), metavar="FILE.vtu|.ply|.obj",
               help="Start from a triangulated tube instead, one period, with --c0 and --length.")  # fmt: skip
 @click.option(
@@ -147,7 +150,7 @@ def flow(
         )
     from tqdm import tqdm
 
-    from pearlbvp.flow.driver import FlowOptions, resumed
+    from pearlbvp.flow.driver import NEXT, FlowOptions, resumed
     from pearlbvp.flow.driver import start as beginning
     from pearlbvp.studies import flow as study
     from pearlbvp.units import NUMBER
@@ -158,7 +161,8 @@ def flow(
             bar.set_postfix(t=f"{units.to_user('t', state.t):.5g}", refresh=False)
             bar.update(len(state.record.rows["t"]) - bar.n)
             if save is not None:
-                study.save(state, save)
+                with contextlib.suppress(InputError):  # on a full disk, which may have room again
+                    study.save(state, save)
 
         state = beginning(*_start(branch, **start)) if resume is None else study.load(resume)
         units = units.of_flow(state.problem.law)
@@ -170,30 +174,39 @@ def flow(
         }
         if until is not None:
             settings["until"] = units.from_user("t", positive("until", until))
-            if settings["until"] <= state.t:
+            if settings["until"] <= state.t * (1 + NEXT):
                 now = units.to_user("t", state.t)
                 raise InputError(f"--time: the saved flow is at t = {now:g} already; give a later time")
         result = resumed(state, FlowOptions(**settings))
-    if save is not None:
-        study.save(result.state, save)
-    if movie is not None:
+    table = units.columns(result.table(), area=NUMBER)  # by that of the straight tube
+    end = cache(lambda: _end(result, save_end, units))  # which takes a while: after the table is written
+
+    def write_frames(path: Path) -> None:
         from pearlbvp.figures.flow import write_movie
 
-        write_whole("--movie", movie, lambda path: write_movie(result.state, path, units=units))
-    table = units.columns(result.table(), area=NUMBER)  # by that of the straight tube
+        write_movie(result.state, path, units=units)
 
     def draw() -> Figure:
         from pearlbvp.figures.flow import draw_flow
 
         return draw_flow(result.state, table, units=units)
 
-    write(table, out, plot, draw)
+    others: list[Callable[[], object]] = []
+    if save is not None:
+        others.append(lambda: study.save(result.state, save))
+    if save_end is not None:
+        others.append(lambda: None if end()[0] is None else saved.save(end()[0], save_end, "--save-end"))
+    if movie is not None:
+        others.append(lambda: write_whole("--movie", movie, write_frames))
+    write(table, out, plot, draw, others)
     advice = f"; {result.advice}" if result.advice else ""
     print(f"pearlbvp: {result.status}: {of_this_command(units.said(result.reason) + advice)}", file=sys.stderr)
-    whole = _say_end(result, save_end, units)
+    branch, words = end()
+    if words:
+        print(f"pearlbvp: {words}", file=sys.stderr)
     if result.status == "interrupted":
         return INTERRUPTED
-    return DONE if result.complete and whole else SOME_FAILED
+    return DONE if result.complete and (save_end is None or branch is not None) else SOME_FAILED
 
 
 PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}
@@ -251,13 +264,12 @@ def _in_radii(given: set[str], start: dict[str, Any], units: Units) -> None:
     start["units"] = units
 
 
-def _say_end(result: Any, save_end: Path | None, units: Units) -> bool:
-    """What a flow rests on, and its stability to all perturbations, on standard error; saved where that was asked for.
+def _end(result: Any, save_end: Path | None, units: Units) -> tuple[Any, str]:
+    """What a flow rests on, as a branch of one point, and its stability to all perturbations, in words.
 
     Returns:
-        Whether all that was asked for was done.
+        The branch, or None where the end is no point of one; words, which say that where it matters.
     """
-    from pearlbvp.studies import saved
     from pearlbvp.studies.flow_end import described, end_branch, similarity
 
     try:
@@ -265,22 +277,15 @@ def _say_end(result: Any, save_end: Path | None, units: Units) -> bool:
     except InputError as error:  # an end that is no point of a branch: the flow's own word stands
         why = units.said(error.args[0])
         if save_end is not None:
-            print(f"pearlbvp: {why.replace('flow:', '--save-end:', 1)}", file=sys.stderr)
-        elif result.equilibrium is not None and result.equilibrium.converged:
-            print(f"pearlbvp: {why.removeprefix('flow: ')}", file=sys.stderr)
-        return save_end is None
+            return None, why.replace("flow:", "--save-end:", 1)
+        rests = result.equilibrium is not None and result.equilibrium.converged
+        return None, why.removeprefix("flow: ") if rests else ""
     spectrum = branch.points[0].spectrum
     counted = f"n_unstable = {spectrum.n_unstable}"
     if result.state.problem.law != "diffusion":  # whose equilibria are stable alike, but at other rates
         rate = similarity(result.equilibrium).to_user("mu_crit", spectrum.mu_crit)
         counted += f", mu_crit = {units.to_user('mu_crit', rate):.4g} ({spectrum.critical})"
-    print(
-        f"pearlbvp: {described(result.equilibrium)}; to all perturbations of this tube: {counted}",
-        file=sys.stderr,
-    )
-    if save_end is not None:
-        saved.save(branch, save_end)
-    return True
+    return branch, f"{described(result.equilibrium)}; to all perturbations of this tube: {counted}"
 
 
 def _start(
@@ -362,13 +367,10 @@ def _of_a_file(
 
 
 def _profile(path: Path) -> tuple[Any, Any]:
-    """Columns ``x`` and ``r`` of a table."""
-    import pandas as pd
+    """Columns ``x`` and ``r`` of a table; of one without a header the first is ``x``."""
+    import numpy as np
 
-    try:
-        table = pd.read_csv(path)
-        return table["x"].to_numpy(float), table["r"].to_numpy(float)
-    except OSError:
-        raise InputError(f"--profile: there is no file {path} that can be read; give a CSV file") from None
-    except (KeyError, ValueError):  # pandas' own errors of parsing are ValueErrors
-        raise InputError(f"--profile: {path} is no table of numbers with columns x and r; write one") from None
+    from pearlbvp.tables import read_table
+
+    table = read_table("profile", path, ("x", "r"), unnamed=("x", "r"))
+    return np.array(table["x"]), np.array(table["r"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -93,10 +94,11 @@ def mesh(
             raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
         surface, table = _of_a_point(at, nodes, discretization, solve)
         title = f"v = {at.observables['v']:.4f}, L = {units.to_user('L', at.observables['L']):g}"
+    others: list[Callable[[], object]] = []
     if out is not None:
         from pearlbvp.mesh.files import write_mesh
 
-        write_mesh(units.surface(surface), out)
+        others.append(lambda: write_mesh(units.surface(surface), out))
 
     def draw() -> Figure:
         from pearlbvp.figures.mesh import draw_mesh
@@ -104,7 +106,7 @@ def mesh(
         counted = f"{title}: {surface.count} nodes, {len(surface.triangles)} triangles"
         return draw_mesh(units.surface(surface), title=counted, units=units)
 
-    status = write(units.columns(table), None, plot, draw)
+    status = write(units.columns(table), None, plot, draw, others)
     if solve and abs(table["mu_crit"][0]) < DOUBTFUL * table["mu_error"][0]:
         print(
             "pearlbvp: mu_crit is not much larger than mu_error, so n_unstable is not certain; give more --nodes",

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import multiprocessing
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from pearlbvp.commands.arguments import Radius
+from pearlbvp.commands.command import of_this_command
 from pearlbvp.errors import InputError
 from pearlbvp.units import RADII
 
@@ -34,7 +37,7 @@ def outputs(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.png",
                      help="Draw a picture (PNG, PDF, SVG, ... by the ending)."),
         click.option("--out", type=click.Path(path_type=Path), metavar="FILE.csv",
-                     help="Write the table there instead of on standard output."),
+                     help="Write the table there instead of on standard output (-)."),
     ):  # fmt: skip
         command = decorate(command)
     return command
@@ -54,6 +57,17 @@ def write_table(option: str, path: Path, table: pd.DataFrame) -> None:
     write_whole(option, path, lambda beside: table.to_csv(beside, index=False, float_format="%.12g"))
 
 
+def _print_table(table: pd.DataFrame) -> None:
+    """Write a table on standard output."""
+    try:
+        sys.stdout.write(table.to_csv(index=False, float_format="%.12g"))
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader has had enough, which is no failure
+        raise
+    except OSError as error:
+        raise InputError(f"standard output: {error.strerror}; free space or use --out") from None
+
+
 def _call(module: str, name: str, arguments: tuple[Any, ...]) -> Any:
     return getattr(importlib.import_module(module), name)(*arguments)
 
@@ -61,7 +75,8 @@ def _call(module: str, name: str, arguments: tuple[Any, ...]) -> Any:
 def computed_aside(module: str, name: str, *arguments: Any, figures: str | None) -> Any:
     """The result of a study's function, from a second process, while this one loads pandas and matplotlib.
 
-    Loading compiled code and loading the libraries for tables and pictures take about a second each.
+    Loading compiled code and loading the libraries for tables and pictures take about a second each. Where that process is
+    killed, for want of memory say, this one does its work.
     """
     method = "fork" if sys.platform.startswith("linux") else None  # elsewhere forking is not safe
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(method)) as pool:
@@ -69,15 +84,20 @@ def computed_aside(module: str, name: str, *arguments: Any, figures: str | None)
         importlib.import_module("pandas")
         if figures is not None:
             importlib.import_module(figures)
-        return future.result()
+        with contextlib.suppress(BrokenProcessPool):
+            return future.result()
+    return _call(module, name, arguments)
 
 
 def check_outputs(out: Path | None, plot: Path | None) -> tuple[Path | None, Path | None]:
-    """Where table and picture are written, links resolved, before anything is computed for them."""
+    """Where table and picture are written, links resolved, before anything is computed for them.
+
+    ``--out -`` is standard output, where the table goes without ``--out``, too.
+    """
     from pearlbvp.files import writable
 
     check_ending("--plot", plot, PICTURES)
-    out = None if out is None else writable("--out", out)
+    out = None if out is None or str(out) == "-" else writable("--out", out)
     plot = None if plot is None else writable("--plot", plot)
     check_distinct({"--out": out, "--plot": plot})
     return out, plot
@@ -101,26 +121,53 @@ def check_distinct(paths: Mapping[str, Path | None]) -> None:
     """
     known: dict[Path, str] = {}
     for option, path in paths.items():
-        if path is None or (path.exists() and not path.is_file()):
+        if path is None or _is_device(path):
             continue
         if path in known:
             raise InputError(f"{option}: {path} is the file of {known[path]} already; give it another name")
         known[path] = option
 
 
-def write(table: pd.DataFrame, out: Path | None, plot: Path | None, draw: Callable[[], Figure]) -> int:
-    """Write table and picture; the exit status says whether some rows failed."""
-    if out is None:
-        sys.stdout.write(table.to_csv(index=False, float_format="%.12g"))
-        sys.stdout.flush()
-    else:
-        write_table("--out", out, table)
-    if plot is not None:
+def _is_device(path: Path) -> bool:
+    """Whether a name is that of a device or a pipe."""
+    try:
+        return path.exists() and not path.is_file()
+    except OSError:  # a name that no file can have; who opens it says so
+        return False
+
+
+def write(
+    table: pd.DataFrame,
+    out: Path | None,
+    plot: Path | None,
+    draw: Callable[[], Figure],
+    others: Sequence[Callable[[], object]] = (),
+) -> int:
+    """Write the table, then what else there is, then the picture: each even where another cannot be written.
+
+    Args:
+        table: for ``out``, or standard output.
+        out, plot: where to.
+        draw: makes the picture.
+        others: write the command's other files.
+
+    Returns:
+        The exit status, which says whether some rows failed.
+
+    Raises:
+        InputError: what could not be written, on one line.
+    """
+
+    def draw_and_save() -> None:
         from pearlbvp.figures.canvas import save_figure
         from pearlbvp.files import write_whole
 
-        figure = draw()
-        write_whole("--plot", plot, lambda path: save_figure(figure, path))
+        if plot is not None:
+            figure = draw()
+            write_whole("--plot", plot, lambda path: save_figure(figure, path))
+
+    first = (lambda: _print_table(table)) if out is None else (lambda: write_table("--out", out, table))
+    _all_of((first, *others, draw_and_save))
     failed = 0
     for column in ("status", "localized_status"):
         if column in table:
@@ -128,3 +175,24 @@ def write(table: pd.DataFrame, out: Path | None, plot: Path | None, draw: Callab
     if failed:
         print(f"pearlbvp: {failed} of {len(table)} rows failed; the message column says why", file=sys.stderr)
     return SOME_FAILED if failed else DONE
+
+
+def _all_of(writers: Sequence[Callable[[], object]]) -> None:
+    """Call each, even where another failed; what was computed is not lost because one disk is full.
+
+    Raises:
+        InputError: what failed.
+    """
+    failures: list[str] = []
+    broken: BrokenPipeError | None = None
+    for write in writers:
+        try:
+            write()
+        except InputError as error:
+            failures.append(of_this_command(str(error)))
+        except BrokenPipeError as error:
+            broken = error
+    if failures:
+        raise InputError("; ".join(failures))
+    if broken is not None:
+        raise broken

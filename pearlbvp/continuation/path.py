@@ -124,6 +124,17 @@ def correct(
     return newton(residual, solve, guess, options, rate), tangent
 
 
+def correct_at(problem: Problem, u: Array, options: NewtonOptions, unknown: int = -1) -> tuple[NewtonResult, Array]:
+    """Newton's method with one unknown as it is; the last is the reduced volume, in every family of shapes.
+
+    Returns:
+        The result, and the unnormalised tangent along which that unknown grows at the rate 1.
+    """
+    direction = np.zeros_like(u)
+    direction[unknown] = 1.0
+    return correct(problem, u, direction, u, 0.0, options)
+
+
 def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
     """Points of the path beyond ``start``, one at a time, each corrected and on a mesh that fits it.
 

@@ -1,132 +1,103 @@
-"""Branches in HDF5 files: whole, readable by any HDF5 library, with no pickle in them.
+"""Branches as trees of arrays, numbers and words, to be saved and read back; see ``hdf5`` for the files.
 
-Layout: attributes ``format, version, kind, reason, complete``; groups ``problems/0 ...`` (each mesh once), ``points/0 ...``
-with ``u, tangent``, their observables as attributes, the number of their problem and a group ``spectrum``; group
-``special`` with columns. Problems and spectra describe themselves as trees of arrays, numbers and words (``to_tree``).
+Layout: ``kind, reason, complete``; ``problems/0 ...`` (each mesh once); ``points/0 ...`` with ``u, tangent``, the number of
+their problem, their ``observables`` and ``spectrum``; ``special/0 ...``. Problems, spectra describe themselves (``to_tree``).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
-
-import h5py
-import numpy as np
 
 from pearlbvp.continuation.branch import Branch, BranchPoint, SpecialPoint
 from pearlbvp.continuation.path import Point
-from pearlbvp.errors import InputError
 
-FORMAT, VERSION = "pearlbvp branch", 1
+KIND = "pearlbvp branch"
+"""What files of branches call themselves."""
 
-
-def write_branch(branch: Branch[Any], path: Path) -> None:
-    """Write a branch into a new file."""
-    with h5py.File(path, "w") as file:
-        reason = str(branch.reason)  # a sentence with numbers as it is in radii, like all that is saved
-        file.attrs.update({"format": FORMAT, "version": VERSION, "reason": reason, "complete": branch.complete})
-        problem: Any = branch.points[0].point.problem
-        file.attrs["kind"] = problem.stored_as
-        numbers: dict[int, int] = {}
-        problems, points = file.create_group("problems"), file.create_group("points")
-        for index, entry in enumerate(branch.points):
-            point = entry.point
-            if id(point.problem) not in numbers:
-                numbers[id(point.problem)] = len(numbers)
-                problem = point.problem
-                write_tree(problems.create_group(str(len(numbers) - 1)), problem.to_tree())
-            group = points.create_group(str(index))
-            group["u"], group["tangent"] = point.u, point.tangent
-            group.attrs.update(
-                {"problem": numbers[id(point.problem)], "iterations": point.iterations, "step": point.step}
-            )
-            group.create_group("observables").attrs.update(point.observables)
-            write_tree(group.create_group("spectrum"), entry.spectrum.to_tree())
-        special = file.create_group("special")
-        for i, found in enumerate(branch.special):
-            group = special.create_group(str(i))
-            group.attrs.update(
-                {
-                    "kind": found.kind,
-                    "index": found.index,
-                    "change": found.change,
-                    "converged": found.converged,
-                    "interval": found.interval,
-                }
-            )
-            if found.block is not None:
-                group.attrs["block"] = list(branch.points[found.index].spectrum.rates).index(found.block)
-
+UNDEFINED = ("residual",)
+"""Numbers that may be NaN: the error of growth rates, where no rigid motion tells it."""
 
 Reader = Callable[[Mapping[str, Any]], Any]
 
 
-def read_branch(path: Path, kinds: Mapping[str, tuple[Reader, Reader]], name: str = "resume") -> Branch[Any]:
-    """Read a branch.
+def branch_tree(branch: Branch[Any]) -> dict[str, Any]:
+    """A branch as a tree."""
+    kind: Any = branch.points[0].point.problem
+    problems = {id(entry.point.problem): entry.point.problem for entry in branch.points}
+    numbers = {known: number for number, known in enumerate(problems)}
+    return {
+        "kind": kind.stored_as,
+        "reason": str(branch.reason),  # a sentence with numbers as it is in radii, like all that is saved
+        "complete": branch.complete,
+        "problems": {str(number): problem.to_tree() for number, problem in enumerate(problems.values())},
+        "points": {
+            str(index): _point_tree(entry, numbers[id(entry.point.problem)])
+            for index, entry in enumerate(branch.points)
+        },
+        "special": {str(i): _special_tree(found, branch) for i, found in enumerate(branch.special)},
+    }
+
+
+def _point_tree(entry: BranchPoint[Any], problem: int) -> dict[str, Any]:
+    point = entry.point
+    return {
+        "u": point.u, "tangent": point.tangent, "problem": problem, "iterations": point.iterations, "step": point.step,
+        "observables": point.observables, "spectrum": entry.spectrum.to_tree(),
+    }  # fmt: skip
+
+
+def _special_tree(found: SpecialPoint[Any], branch: Branch[Any]) -> dict[str, Any]:
+    low, high = found.interval
+    tree = {
+        "kind": found.kind, "index": found.index, "change": found.change, "converged": found.converged,
+        "low": low, "high": high,
+    }  # fmt: skip
+    if found.block is None:
+        return tree
+    return tree | {"block": list(branch.points[found.index].spectrum.rates).index(found.block)}
+
+
+def branch_of_tree(tree: Mapping[str, Any], kinds: Mapping[str, tuple[Reader, Reader]]) -> Branch[Any]:
+    """The inverse of ``branch_tree``.
 
     Args:
-        path: a file that ``write_branch`` wrote.
+        tree: as ``branch_tree`` makes it.
         kinds: for each kind of problem the inverses of its and its spectra's ``to_tree``.
-        name: the argument's name, for the message.
 
     Raises:
-        InputError: the file cannot be opened, is no saved branch, or is not whole.
+        ValueError, LookupError, TypeError: something is missing in the tree, or does not fit.
     """
-    try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != FORMAT or int(file.attrs.get("version", 0)) != VERSION:
-                raise InputError(f"{name}: {path} is no branch saved by this version; save one with --save")
-            problem_from, spectrum_from = kinds[str(file.attrs.get("kind", "pearl"))]
-            problems = [problem_from(read_tree(file["problems"][str(i)])) for i in range(len(file["problems"]))]
-            points = [_read_point(file["points"][str(i)], problems, spectrum_from) for i in range(len(file["points"]))]
-            special = [_read_special(file["special"][str(i)].attrs, points) for i in range(len(file["special"]))]
-            return Branch(points, special, str(file.attrs["reason"]), bool(file.attrs["complete"]))
-    except (OSError, RuntimeError, KeyError, IndexError, ValueError, TypeError, AttributeError) as error:
-        if isinstance(error, InputError):
-            raise
-        reason = (
-            "it is no HDF5 file, or cut off"
-            if isinstance(error, OSError)
-            else "something is missing or misplaced in it"
-        )
-        raise InputError(f"{name}: {path} cannot be read as a saved branch: {reason}; save it again") from None
+    problem_from, spectrum_from = kinds[tree["kind"]]
+    problems = [problem_from(problem) for problem in _in_order(tree["problems"])]
+    points = [_point(point, problems, spectrum_from) for point in _in_order(tree["points"])]
+    if not points:
+        raise ValueError("a branch without points")
+    special = [_special(found, points) for found in _in_order(tree["special"])]
+    return Branch(points, special, str(tree["reason"]), bool(tree["complete"]))
 
 
-def _read_point(group: Any, problems: list[Any], spectrum_from: Callable[[Mapping[str, Any]], Any]) -> BranchPoint[Any]:
-    problem = problems[int(group.attrs["problem"])]
-    u, tangent = group["u"][()], group["tangent"][()]
-    if u.shape != tangent.shape or not (np.isfinite(u).all() and np.isfinite(tangent).all()):
+def _in_order(trees: Mapping[str, Any]) -> list[Any]:
+    return [trees[str(i)] for i in range(len(trees))]
+
+
+def _point(tree: Mapping[str, Any], problems: list[Any], spectrum_from: Reader) -> BranchPoint[Any]:
+    problem, u, tangent = problems[tree["problem"]], tree["u"], tree["tangent"]
+    if u.shape != tangent.shape:
         raise ValueError("a point's unknown and tangent do not fit")
-    observables = {name: float(value) for name, value in group["observables"].attrs.items()}
-    order = problem.observables(u)  # HDF5 sorts attributes by name; this also fails where u does not fit its mesh
-    observables = {name: observables[name] for name in order}
-    point = Point(problem, u, tangent, observables, int(group.attrs["iterations"]), float(group.attrs["step"]))
-    return BranchPoint(point, spectrum_from(read_tree(group["spectrum"])))
+    order = problem.observables(u)  # files sort names; this also fails where u does not fit its mesh
+    observables = {name: float(tree["observables"][name]) for name in order}
+    point = Point(problem, u, tangent, observables, int(tree["iterations"]), float(tree["step"]))
+    spectrum = spectrum_from(tree["spectrum"])
+    if not math.isfinite(spectrum.mu_crit):  # this also fails where a block has no rates
+        raise ValueError("a point's growth rates do not fit")
+    return BranchPoint(point, spectrum)
 
 
-def _read_special(attributes: Any, points: list[BranchPoint[Any]]) -> SpecialPoint[Any]:
-    index = int(attributes["index"])
+def _special(tree: Mapping[str, Any], points: list[BranchPoint[Any]]) -> SpecialPoint[Any]:
+    index = int(tree["index"])
     blocks = list(points[index].spectrum.rates)
-    block = blocks[int(attributes["block"])] if "block" in attributes else None
-    low, high = attributes["interval"]
-    change, converged = int(attributes["change"]), bool(attributes["converged"])
-    return SpecialPoint(str(attributes["kind"]), index, block, change, converged, (float(low), float(high)))
-
-
-def write_tree(group: Any, tree: Mapping[str, Any]) -> None:
-    """Arrays as datasets, numbers and words as attributes."""
-    for name, value in tree.items():
-        if isinstance(value, np.ndarray):
-            group[name] = value
-        else:
-            group.attrs[name] = value
-
-
-def read_tree(group: Any) -> dict[str, Any]:
-    """The inverse of ``write_tree``."""
-    return {name: group[name][()] for name in group} | {name: _plain(value) for name, value in group.attrs.items()}
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+    block = blocks[tree["block"]] if "block" in tree else None
+    interval = float(tree["low"]), float(tree["high"])
+    return SpecialPoint(str(tree["kind"]), index, block, int(tree["change"]), bool(tree["converged"]), interval)

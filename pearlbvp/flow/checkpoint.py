@@ -1,86 +1,69 @@
-"""States of a flow in HDF5 files, from which a run goes on that was killed. No pickle: opening one executes nothing.
+"""States of a flow as trees of arrays, numbers and words, from which a run goes on that was killed; see ``hdf5`` for the files.
 
-Layout: attributes ``format, version, t, start``; datasets ``q, rate, multipliers, kept``; groups ``problems/0 ...`` (what
-describes a discretization), ``record`` (a dataset for each column) and ``frames/0 ...`` (``t`` and ``q`` of the shapes on one
-discretization).
+Layout: ``t, area, volume`` (those of the start), ``problem`` (its number); arrays ``q, rate, multipliers, kept``;
+``problems/0 ...`` (what describes a discretization), ``record`` (each column) and ``frames/0 ...`` (``t`` and ``q`` of the
+shapes on one discretization).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
-from pearlbvp.continuation.storage import read_tree, write_tree
-from pearlbvp.errors import InputError
 from pearlbvp.flow.record import COLUMNS, FlowState, Frame, Record
 
-FORMAT, VERSION = "pearlbvp flow", 1
+KIND = "pearlbvp flow"
+"""What files of flows call themselves."""
+
+STATE = ("q", "rate", "multipliers", "kept")
 
 
-def write_state(state: FlowState, path: Path) -> None:
-    """Write a state into a new file."""
-    problems = list(dict.fromkeys([*(frame.problem for frame in state.record.frames), state.problem]))
-    with h5py.File(path, "w") as file:
-        file.attrs.update({"format": FORMAT, "version": VERSION, "t": state.t, "start": state.record.start})
-        file.attrs["problem"] = problems.index(state.problem)
-        for name in ("q", "rate", "multipliers", "kept"):
-            file[name] = getattr(state, name)
-        for i, problem in enumerate(problems):
-            write_tree(file.create_group(f"problems/{i}"), problem.to_tree())
-            shapes = [frame for frame in state.record.frames if frame.problem == problem]
-            if shapes:
-                file[f"frames/{i}/t"] = [frame.t for frame in shapes]
-                file[f"frames/{i}/q"] = [frame.q for frame in shapes]
-        for name in COLUMNS:
-            file[f"record/{name}"] = state.record.rows[name]
+def state_tree(state: FlowState) -> dict[str, Any]:
+    """A state as a tree."""
+    record = state.record
+    problems = list(dict.fromkeys([*(frame.problem for frame in record.frames), state.problem]))
+    area, volume = record.start
+    frames = {}
+    for i, problem in enumerate(problems):
+        shapes = [frame for frame in record.frames if frame.problem == problem]
+        if shapes:
+            frames[str(i)] = {"t": np.array([s.t for s in shapes]), "q": np.array([s.q for s in shapes])}
+    return {
+        "t": state.t,
+        "area": area,
+        "volume": volume,
+        "problem": problems.index(state.problem),
+        **{name: getattr(state, name) for name in STATE},
+        "problems": {str(i): problem.to_tree() for i, problem in enumerate(problems)},
+        "record": {name: np.array(record.rows[name]) for name in COLUMNS},
+        "frames": frames,
+    }
 
 
-def read_state(path: Path, problem_from: Callable[[Mapping[str, Any]], Any]) -> FlowState:
-    """Read a state.
+def state_of_tree(tree: Mapping[str, Any], problem_from: Callable[[Mapping[str, Any]], Any]) -> FlowState:
+    """The inverse of ``state_tree``.
 
     Args:
-        path: a file that ``write_state`` wrote.
+        tree: as ``state_tree`` makes it.
         problem_from: the inverse of the problems' ``to_tree``.
 
     Raises:
-        InputError: the file cannot be opened, is no saved flow, or is not whole.
+        ValueError, LookupError, TypeError: something is missing in the tree, or does not fit.
     """
-    try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != FORMAT or int(file.attrs.get("version", 0)) != VERSION:
-                raise InputError(f"resume: {path} is no flow saved by this version; save one with --save")
-            return _read(file, problem_from)
-    except (OSError, RuntimeError, KeyError, IndexError, ValueError, TypeError, AttributeError) as error:
-        if isinstance(error, InputError):
-            raise
-        broken = isinstance(error, OSError)
-        reason = "it is no HDF5 file, or cut off" if broken else "something is missing or misplaced in it"
-        raise InputError(f"resume: {path} cannot be read as a saved flow: {reason}; save it again") from None
-
-
-def _read(file: Any, problem_from: Callable[[Mapping[str, Any]], Any]) -> FlowState:
-    problems = [problem_from(read_tree(file[f"problems/{i}"])) for i in range(len(file["problems"]))]
-    area, volume = (float(value) for value in file.attrs["start"])
-    record = Record((area, volume), {name: [float(value) for value in file["record"][name]] for name in COLUMNS})
-    for i, problem in enumerate(problems):
-        if f"frames/{i}" in file:
-            group = file[f"frames/{i}"]
-            record.frames += [
-                Frame(float(t), problem, np.array(q, float)) for t, q in zip(group["t"], group["q"], strict=True)
-            ]
+    problems = [problem_from(tree["problems"][str(i)]) for i in range(len(tree["problems"]))]
+    rows = {name: [float(value) for value in tree["record"][name]] for name in COLUMNS}
+    record = Record((float(tree["area"]), float(tree["volume"])), rows)
+    for i, shapes in tree["frames"].items():
+        problem = problems[int(i)]
+        record.frames += [Frame(float(t), problem, q) for t, q in zip(shapes["t"], shapes["q"], strict=True)]
     record.frames.sort(key=lambda frame: frame.t)
-    q, rate, multipliers, kept = (np.array(file[name][()], float) for name in ("q", "rate", "multipliers", "kept"))
-    problem = problems[int(file.attrs["problem"])]
-    if (
-        q.shape != rate.shape
-        or problem.residual(q, rate, multipliers).shape != q.shape
-        or multipliers.shape != kept.shape
-    ):
+    problem = problems[tree["problem"]]
+    q, rate, multipliers, kept = (tree[name] for name in STATE)
+    fits = q.shape == rate.shape and multipliers.shape == kept.shape
+    if not fits or problem.residual(q, rate, multipliers).shape != q.shape:
         raise ValueError("the state does not fit its discretization")
-    if len({len(values) for values in record.rows.values()}) != 1 or not np.isfinite(q).all():
+    if len({len(values) for values in rows.values()}) != 1 or not record.frames:
         raise ValueError("columns of different lengths")
-    return FlowState(problem, float(file.attrs["t"]), q, rate, multipliers, kept, record)
+    return FlowState(problem, float(tree["t"]), q, rate, multipliers, kept, record)

@@ -74,6 +74,9 @@ UNRESOLVED = 1e-5
 SLOW = 1e3
 """Velocities below this many times that of a steady shape are looked at without rigid motions, which takes a while."""
 
+NEXT = 1e-13
+"""Relative difference of two times that IDA can tell apart."""
+
 RESTARTS = 4
 """Failures of IDA in a row, each followed by a fresh start at low order, after which a flow is stalled."""
 
@@ -204,7 +207,7 @@ class _Run:
 
     def to_its_end(self) -> _Ending:
         """Step until something ends the flow."""
-        if self.state.t >= self.options.until:
+        if self.options.until <= self.state.t * (1 + NEXT):
             return _Ending("time", "the time asked for is over")
         while True:
             ending = self._step()

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pearlbvp.errors import InputError
-from pearlbvp.files import writable, write_whole
+from pearlbvp.files import readable, writable, write_whole
 from pearlbvp.helfrich import positive
 from pearlbvp.mesh.periodic import Array, Integers, MeshError, PeriodicMesh
 
@@ -91,8 +91,7 @@ def read_mesh(path: str | os.PathLike[str], length: float) -> PeriodicMesh:
     """
     path, length = Path(path), positive("length", length)
     kind = _format("mesh", path)
-    if not path.is_file():
-        raise InputError(f"mesh: there is no file {path}; give one that exists")
+    readable("mesh", path)
     if kind == "ply" and b"end_header" not in path.read_bytes()[:100_000]:  # meshio would look for it for ever
         raise InputError(f"mesh: {path} cannot be read as PLY (its header does not end); export it again")
     try:

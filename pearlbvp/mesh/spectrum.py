@@ -90,7 +90,7 @@ class MeshSpectrum:
         # Files sort names; special points count the blocks in the order in which problems have them.
         names = [name for name in ("all", "symmetric", "breaking") if f"rates_{name}" in tree]
         rates = {MeshBlock(name): np.asarray(tree[f"rates_{name}"], dtype=float) for name in names}
-        return cls(rates, bool(tree["complete"]), float(tree.get("residual", math.nan)))
+        return cls(rates, bool(tree["complete"]), float(tree["residual"]))
 
 
 def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix, pins: Integers) -> tuple[Array, Array]:

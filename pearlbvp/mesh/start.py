@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from pearlbvp.continuation.path import correct
+from pearlbvp.continuation.path import correct_at
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, cylinder_lambda1
 from pearlbvp.mesh.functional import Functional, Kind
@@ -37,9 +37,7 @@ def solved(problem: MeshProblem, u: Array, keep: str = "v") -> Array:
     Raises:
         InputError: Newton's method does not converge; the message says why.
     """
-    direction = np.zeros_like(u)
-    direction[{"v": -1, "lambda2": -2}[keep]] = 1.0
-    result, _ = correct(problem, u, direction, u, 0.0, NEWTON)
+    result, _ = correct_at(problem, u, NEWTON, {"v": -1, "lambda2": -2}[keep])
     if not result.converged:
         raise InputError(
             f"surface: no equilibrium near it ({result.message}); start from a better one, or a finer mesh"

@@ -28,6 +28,9 @@ COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_m
 STOPS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L", "mu_crit")
 """Columns at a value of which a branch can stop."""
 
+NO_SHAPE = 1e-3
+"""Amplitude up to which the shape of least energy is the straight tube: of others the volume is at least 5e-7 from 1."""
+
 LONGEST_PEARL = 1000.0
 """Longest period of a branch of pearls: its meshes grow with it."""
 
@@ -142,9 +145,17 @@ def shape_branch(
     amplitudes, why = relaxed(tube, v, np.array([finite("shape", value) for value in cosines]))
     if why:
         raise InputError(f"shape: {why}")
-    problem, u, why = pearl_of_graph(tube, v, amplitudes, tolerance=tolerance)
-    if why:
-        raise InputError(f"shape: the shape of least energy led to no equilibrium ({why}); try other cosines")
+    near = float(np.abs(amplitudes[1:]).max())
+    if near > NO_SHAPE:
+        problem, u, why = pearl_of_graph(tube, v, amplitudes, tolerance=tolerance)
+        if why:
+            raise InputError(f"shape: the shape of least energy led to no equilibrium ({why}); try other cosines")
+        near = problem.observables(u)["amplitude"]
+    if near <= NO_SHAPE:
+        raise InputError(
+            "shape: downhill from it at this volume lies the straight tube, where branches cross; give other cosines or "
+            "another volume, or leave --shape out for the pearls that leave the tube"
+        )
     problem = replace(problem, fixed=fixed, cells=cells)
     upwards = np.zeros_like(u)
     upwards[-1] = 1.0  # v is the last unknown

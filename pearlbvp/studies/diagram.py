@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -166,14 +168,14 @@ _Task = tuple[Callable[..., "Branch[Any] | str"], tuple[Any, ...]]
 
 
 def _all_done(tasks: Sequence[_Task], processes: int) -> Sequence[Branch[Any] | str]:
-    """Branches, or why there are none."""
-    if processes == 1 or len(tasks) < 2:
-        return [function(*arguments) for function, arguments in tasks]
-    from joblib import Parallel, delayed, parallel_config  # a fifth of a second to import, and only this needs it
+    """Branches, or why there are none; where a process is killed, for want of memory say, all are followed in this one."""
+    if processes != 1 and len(tasks) > 1:
+        from joblib import Parallel, delayed, parallel_config  # a fifth of a second to import, and only this needs it
 
-    with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1):
-        done: list[Branch[Any] | str] = Parallel()(delayed(function)(*arguments) for function, arguments in tasks)
-    return done
+        with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1), suppress(BrokenProcessPool):
+            done: list[Branch[Any] | str] = Parallel()(delayed(function)(*arguments) for function, arguments in tasks)
+            return done
+    return [function(*arguments) for function, arguments in tasks]
 
 
 def _primary(tube: Tube, family: Any, mode: Mode, options: BranchOptions) -> Branch[Any] | str:

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-from pearlbvp.errors import InputError
-from pearlbvp.files import writable, write_whole
 from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.checkpoint import read_state, write_state
+from pearlbvp.flow.checkpoint import KIND, state_of_tree, state_tree
 from pearlbvp.flow.mesh import MeshFlow
 from pearlbvp.flow.problem import FlowProblem
 from pearlbvp.flow.record import FlowState
 from pearlbvp.flow.tube import TubeFlow
+from pearlbvp.hdf5 import load_tree, save_tree
 
 KINDS: dict[str, Any] = {"graph": GraphFlow, "tube": TubeFlow, "mesh": MeshFlow}
 
@@ -31,7 +29,7 @@ def save(state: FlowState, path: str | os.PathLike[str]) -> None:
     Raises:
         InputError: the place cannot be written to.
     """
-    write_whole("save", writable("save", path), lambda temporary: write_state(state, temporary))
+    save_tree("save", path, KIND, state_tree(state))
 
 
 def load(path: str | os.PathLike[str]) -> FlowState:
@@ -40,6 +38,5 @@ def load(path: str | os.PathLike[str]) -> FlowState:
     Raises:
         InputError: the file is no saved flow, or is not whole.
     """
-    if not Path(path).is_file():
-        raise InputError(f"resume: there is no file {path}; give one that --save wrote")
-    return read_state(Path(path), _problem)
+    writer = "pearlbvp flow --save"
+    return load_tree("resume", path, KIND, lambda tree: state_of_tree(tree, _problem), writer=writer)

@@ -7,7 +7,7 @@ the point of a branch; its growth rates are ``s^4`` times those in the flow's ow
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, SpecialPoint, continue_branch, start_point
-from pearlbvp.continuation.path import Point, correct
+from pearlbvp.continuation.path import Point, correct_at
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
@@ -41,6 +41,9 @@ FEWEST_WAVES = 8
 """Periods or folds that a tube has at first; more are taken where the shape needs them."""
 
 MOST_REMESHES = 6
+
+ROUNDING = 1e-11
+"""Relative differences of areas that are rounding: constraints are kept to 1e-14 of each step."""
 
 STRAIGHT = (
     "flow: its end is the straight tube, where branches cross and tension and pressure are not told apart; "
@@ -106,8 +109,13 @@ def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem | MeshProb
 
 
 def similarity(end: Equilibrium) -> Units:
-    """What leads from the end of a flow to the similar shape of area ``2 pi L``: the unit in which that is measured."""
-    return Units(end.observables["area"])
+    """What leads from the end of a flow to the similar shape of area ``2 pi L``: the unit in which that is measured.
+
+    A flow from a branch keeps the area of the tube it is on, where that is asked for. Where only rounding tells the areas
+    apart, its end is on the very tube that was given, with the digits that it was given by.
+    """
+    area = end.observables["area"]
+    return Units(1.0 if abs(area - 1) < ROUNDING else area)
 
 
 def _check(end: Equilibrium) -> None:
@@ -126,7 +134,7 @@ def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[
     problem = TubeProblem(symmetry, tube.c0, tube.length, (along, around), tolerance=tolerance, fixed=fixed)
     problem = problem.pinned_at(dict(zip(problem.modes, problem.packed(known), strict=True)))
     u = _at_its_volume(problem, np.append(problem.packed(known), _parameters(found, similar)))
-    problem, u = _resolved(problem, u, _at_its_volume)
+    problem, u = _resolved(problem, u)
     energy = problem.observables(u)["E"]
     if abs(energy - similar.from_user("E", found["E"])) > UNLIKE * abs(energy):
         raise InputError("flow: Newton's method left its end for another equilibrium; let it flow on more modes")
@@ -139,14 +147,14 @@ def _parameters(found: Mapping[str, float], similar: Units) -> Array:
     return np.array([*multipliers, similar.from_user("volume_by_length", found["v"])])
 
 
-def _resolved(problem: Any, u: Array, solve: Callable[[Any, Array], Array]) -> tuple[Any, Array]:
-    """The solution on as many modes, or as fine a mesh, as it needs."""
+def _resolved(problem: Any, u: Array) -> tuple[Any, Array]:
+    """The solution on as many modes, or as fine a mesh, as it needs, at its reduced volume."""
     for _ in range(MOST_REMESHES):
         changed = problem.remesh(u)
         if changed is None:
             break
         problem, (u,) = changed
-        u = solve(problem, u)
+        u = _at_its_volume(problem, u)
     return problem, u
 
 
@@ -172,12 +180,17 @@ def _size(known: Mapping[Mode, float], symmetry: TubeSymmetry) -> tuple[int, int
     return int(along), int(around)
 
 
-def _at_its_volume(problem: TubeProblem, u: Array) -> Array:
-    """Newton's method at fixed reduced volume."""
-    result, _ = correct(problem, u, _by_volume(u), u, 0.0, NewtonOptions(max_iterations=15))
+def _at_its_volume(problem: Any, u: Array) -> Array:
+    """Newton's method at fixed reduced volume.
+
+    Raises:
+        InputError: it did not converge; the message says why.
+    """
+    result, _ = correct_at(problem, u, NewtonOptions(max_iterations=15))
     if not result.converged:
         raise InputError(
-            f"flow: its end led to no equilibrium among tubes of its symmetry ({result.message}); let it flow on more modes"
+            f"flow: its end led to no equilibrium among shapes of its symmetry ({result.message}); let it flow on more "
+            "points or modes"
         )
     return result.u
 
@@ -225,18 +238,7 @@ def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlPr
     problem, u, why = pearl_of_graph(tube, v, cosines, tolerance=tolerance)
     if why:
         raise InputError(f"flow: its end led to no equilibrium of the arclength problem ({why})")
-    return _resolved(replace(problem, cells=pearls), u, _corrected)
-
-
-def _corrected(problem: PearlProblem, u: Array) -> Array:
-    """Newton's method at fixed volume."""
-    row = _by_volume(u)
-    for _ in range(8):
-        step = problem.solve(u, np.append(problem.residual(u), 0.0), row)
-        u = u - step
-        if np.abs(step).max() < 1e-12:
-            break
-    return u
+    return _resolved(replace(problem, cells=pearls), u)
 
 
 def _plane(graph: GraphFlow, q: Array) -> float:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.scheme import Array
@@ -30,6 +29,7 @@ from pearlbvp.mesh.start import straight
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.mesh import NODES, SMALLEST_AMPLITUDE, meshed, shape_mesh
+from pearlbvp.studies.profiles import one_period
 from pearlbvp.tube.problem import TubeProblem
 
 UNLIKE = 1e-5
@@ -130,6 +130,9 @@ def pearl_start(problem: PearlProblem, u: Array, *, points: int = 128, law: Law 
         if finer is None:
             raise InputError(f"point: {graph.points} points do not resolve its shape; choose one with a thicker neck")
         graph = finer[0]
+    # Interpolation leaves some 1e-10 of the area and volume that the branch has exactly.
+    kept = np.array([1.0, found["v"] / 2])
+    q = constrained(replace(graph, law="area and volume"), q, kept)
     multipliers = np.array([found["lambda1"], found["lambda2"]][: len(graph.constraints(q))])
     return FlowStart(graph, q, multipliers)
 
@@ -148,7 +151,8 @@ def profile_start(
 
     Args:
         c0, length: the tube's.
-        x, r: places within one period, in growing order, and radii there; a periodic cubic spline goes through them.
+        x, r: places along one period and radii there; a periodic cubic spline goes through them. The last row may be the
+            first one again, a period later, to the precision of the table.
         points: of the flow.
         law, pressure: what the flow keeps, and the pressure difference where that is the area alone.
 
@@ -156,21 +160,7 @@ def profile_start(
         InputError: an argument that cannot be used.
     """
     tube = Tube(c0, length)
-    x, r = np.asarray(x, dtype=float), np.asarray(r, dtype=float)
-    if x.ndim != 1 or x.shape != r.shape or len(x) < 4 or not (np.isfinite(x).all() and np.isfinite(r).all()):
-        raise InputError("profile: give four or more places x and as many radii r, all finite")
-    if np.diff(x).min() <= 0 or x[-1] - x[0] > tube.length:
-        raise InputError(
-            "profile: x must grow from row to row, within one period; sort the rows, or give a longer length"
-        )
-    if r.min() <= 0:
-        raise InputError(f"profile: r in row {int(r.argmin()) + 1} is not positive; give distances from the axis")
-    if x[-1] - x[0] == tube.length and r[-1] != r[0]:
-        raise InputError("profile: its ends are one period apart, but r differs there; make them the same, or drop one")
-    closed = x[-1] - x[0] == tube.length
-    if not closed:
-        x, r = np.append(x, x[0] + tube.length), np.append(r, r[0])
-    spline = CubicSpline(x, r, bc_type="periodic")
+    spline = one_period(x, r, tube.length)
     graph = GraphFlow(tube.c0, tube.length, points, law, pressure)
     return graph, graph.coordinates(spline(graph.x))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Iterable, Iterator
+from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 import pandas as pd
@@ -101,7 +102,7 @@ def scan(cases: list[tuple[float, float, float | None]], processes: int | None =
     Args:
         cases: what to compute.
         processes: how many to use; by default one a core, or none besides this one for a few cases. Each is kept to
-            one BLAS thread.
+            one BLAS thread. What is left when one of them is killed, for want of memory say, is done here.
     """
     if processes == 1 or (len(cases) < _FEWEST_FOR_PROCESSES and processes is None):
         for case in cases:
@@ -109,8 +110,16 @@ def scan(cases: list[tuple[float, float, float | None]], processes: int | None =
         return
     from joblib import Parallel, delayed, parallel_config  # a fifth of a second to import, and only scans need it
 
-    with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1):
-        yield from Parallel(return_as="generator", batch_size=4)(delayed(_row)(*case) for case in cases)
+    done = 0
+    try:
+        with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1):
+            for row in Parallel(return_as="generator", batch_size=4)(delayed(_row)(*case) for case in cases):
+                yield row
+                done += 1
+    except BrokenProcessPool:
+        print(f"pearlbvp: a worker process was killed; the other {len(cases) - done} are done in one", file=sys.stderr)
+        for case in cases[done:]:
+            yield _row(*case)
 
 
 def pearl_periods(

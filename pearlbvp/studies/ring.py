@@ -9,7 +9,7 @@ import numpy as np
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
-from pearlbvp.continuation.path import Point, correct
+from pearlbvp.continuation.path import Point, correct_at
 from pearlbvp.continuation.switching import leave
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
@@ -119,9 +119,7 @@ def reduced(point: Point[RingProblem]) -> tuple[TubeProblem, Array, Array]:
         if moved is None:
             break
         problem = moved[0]
-    by_volume = np.zeros(guess.size)
-    by_volume[-1] = 1.0
-    result, tangent = correct(problem, guess, by_volume, guess, 0.0, NewtonOptions(max_iterations=10))
+    result, tangent = correct_at(problem, guess, NewtonOptions(max_iterations=10))
     if not result.converged:
         raise InputError(f"switch: the ring at v = {observed['v']:.4f} could not be taken over ({result.message})")
     tangent *= np.sign(point.tangent @ _volume_direction(point))

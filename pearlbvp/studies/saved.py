@@ -5,13 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch
-from pearlbvp.continuation.storage import read_branch, write_branch
-from pearlbvp.errors import InputError
-from pearlbvp.files import writable, write_whole
+from pearlbvp.continuation.storage import KIND, UNDEFINED, branch_of_tree, branch_tree
+from pearlbvp.hdf5 import load_tree, save_tree
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.spectrum import MeshSpectrum
 from pearlbvp.shapes.pearl import PearlProblem
@@ -34,13 +32,18 @@ KINDS = {
 """How problems and spectra of a branch are read, by the kind that its file names."""
 
 
-def save(branch: Branch[Any], path: str | os.PathLike[str]) -> None:
+def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "save") -> None:
     """Save a branch as HDF5, whole or not at all.
+
+    Args:
+        branch: any.
+        path: where to.
+        name: the argument's name, for the message.
 
     Raises:
         InputError: the place cannot be written to.
     """
-    write_whole("save", writable("save", path), lambda temporary: write_branch(branch, temporary))
+    save_tree(name, path, KIND, branch_tree(branch))
 
 
 def load(path: str | os.PathLike[str], name: str = "resume") -> Branch[Any]:
@@ -53,9 +56,8 @@ def load(path: str | os.PathLike[str], name: str = "resume") -> Branch[Any]:
     Raises:
         InputError: the file is no saved branch, or is not whole.
     """
-    if not Path(path).is_file():
-        raise InputError(f"{name}: there is no file {path}; give one that pearlbvp branch --save wrote")
-    return read_branch(Path(path), KINDS, name)
+    writer = "pearlbvp branch --save"
+    return load_tree(name, path, KIND, lambda tree: branch_of_tree(tree, KINDS), writer=writer, undefined=UNDEFINED)
 
 
 def kind_of(branch: Branch[Any]) -> str:

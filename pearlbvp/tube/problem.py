@@ -486,12 +486,12 @@ class TubeProblem:
         group = frozenset(int(element) for element in tree["group"])
         symmetry = TubeSymmetry(int(tree["period"]), int(tree["fold"]), int(tree["turns"]), group)
         size = int(tree["size"][0]), int(tree["size"][1])
-        free = tuple(str(tree.get("free", "lambda1,lambda2,v")).split(","))  # older files know no others
+        free = tuple(str(tree["free"]).split(","))
         if free != tuple(name for name in TubeParameters._fields if name in free):
             raise ValueError(
                 f"free: {','.join(free)!r} are not some of {','.join(TubeParameters._fields)} in their order"
             )
-        kept = {name: float(tree[name]) for name in ("lambda1", "lambda2", "v") if name in tree}
+        kept = {name: float(tree[name]) for name in ("lambda1", "lambda2", "v")}
         return cls(
             symmetry, float(tree["c0"]), float(tree["length"]), size, tree.get("pinned"), float(tree["tolerance"]),
             tree["fixed"], free, **kept,

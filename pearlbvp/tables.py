@@ -1,0 +1,135 @@
+"""Tables of numbers as other programs write them: CSV of any separator, with a header or none, comments, any line ends."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Sequence
+
+from pearlbvp.errors import InputError
+from pearlbvp.files import MOST_TEXT, read_whole
+
+COMMENTS = ("#", "%")
+
+BYTE_ORDER_MARKS = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "utf-8-sig"))
+
+
+def read_table(
+    name: str, path: str | os.PathLike[str], columns: Sequence[str] | None = None, unnamed: Sequence[str] = ()
+) -> dict[str, list[float]]:
+    """Columns of a table in a file.
+
+    The first line that is no comment is the header; the one before it, if that is a comment with the wanted names. Separators
+    are commas, semicolons, tabs or spaces; decimal commas are read where the separator is another. Spaces around names, and
+    a byte-order mark, are no part of them. Empty entries are NaN.
+
+    Args:
+        name: the argument's name, for the message.
+        path: of the file.
+        columns: those that are wanted; others are not looked at, and may be of words.
+        unnamed: names of the columns of a table without any header.
+
+    Raises:
+        InputError: it cannot be read, a line is not of as many numbers as the header has names, or a column is missing.
+    """
+    lines = _text(name, path).splitlines()
+    rows, above = _rows(lines)
+    if not rows:
+        raise InputError(f"{name}: {path} holds no table; it needs a header and at least one row")
+    header, first = [word.strip() for word in rows[0]], 2
+    if all(_is_number(word) for word in header):
+        header = above if columns and set(columns) <= set(above) and len(above) == len(header) else list(unnamed)
+        first = 1
+        if len(header) != len(rows[0]):
+            wanted = ", ".join(columns or unnamed)
+            raise InputError(
+                f"{name}: {path} has no line with the names of its columns; write one" + (f": {wanted}" * bool(wanted))
+            )
+    rows = rows[first - 1 :]
+    if not rows:
+        raise InputError(f"{name}: {path} holds no table; it needs a header and at least one row")
+    for row in rows:
+        if len(row) != len(header):
+            raise InputError(
+                f"{name}: {path} has {len(header)} columns but a row of {len(row)}: {','.join(row)[:80]}; complete it"
+            )
+    chosen = list(header) if columns is None else list(columns)
+    missing = [column for column in chosen if column not in header]
+    if missing:
+        raise InputError(
+            f"{name}: {path} has no column {', '.join(missing)}; its columns are {', '.join(header)[:200]}"
+        )
+    twice = [column for column in chosen if header.count(column) > 1]
+    if twice:
+        raise InputError(f"{name}: {path} has two columns {twice[0]!r}; rename one of them")
+    places = [(header.index(column), column) for column in chosen]
+    return {
+        column: [_number(name, path, row[i], column, k) for k, row in enumerate(rows, first)] for i, column in places
+    }
+
+
+def _text(name: str, path: str | os.PathLike[str]) -> str:
+    content = read_whole(name, path, MOST_TEXT)
+    encoding = next((found for mark, found in BYTE_ORDER_MARKS if content.startswith(mark)), "utf-8")
+    try:
+        try:
+            text = content.decode(encoding)
+        except UnicodeDecodeError:  # of names and comments only; numbers are the same
+            text = content.decode("latin-1")
+    except UnicodeError:
+        text = "\0"
+    if "\0" in text:
+        raise InputError(f"{name}: {path} cannot be read as CSV (it is no text); give a table with a header")
+    return text
+
+
+def _rows(lines: Sequence[str]) -> tuple[list[list[str]], list[str]]:
+    """The lines that are no comments, in words, and the words of the comment above the first."""
+    kept: list[str] = []
+    above = ""
+    for line in lines:
+        if line.strip().startswith(COMMENTS):
+            above = above if kept else line.strip().lstrip("".join(COMMENTS))
+        elif line.strip():
+            kept.append(line.partition("#")[0].rstrip())
+    if not kept:
+        return [], []
+    separator = next((mark for mark in (";", "\t", ",") if mark in kept[0]), " ")
+    rows = _split(kept, separator)
+    if len(rows) > 1 and all(row[-1] == "" for row in rows):  # a separator at the end of each line
+        rows = [row[:-1] for row in rows]
+    if separator != ",":
+        rows = [[_with_point(word) for word in row] for row in rows]
+    return rows, [word.strip() for word in _split([above], separator)[0]]
+
+
+def _split(lines: list[str], separator: str) -> list[list[str]]:
+    if separator == " ":
+        return [line.split() for line in lines]
+    try:
+        return [row or [""] for row in csv.reader(lines, delimiter=separator, skipinitialspace=True)]
+    except csv.Error:  # a quotation without an end, or a line of more than 100,000 characters
+        return [line.split(separator) for line in lines]
+
+
+def _with_point(word: str) -> str:
+    """A number with a decimal comma as Python writes it; other words as they are."""
+    changed = word.replace(",", ".", 1)
+    return changed if "." not in word and _is_number(changed) else word
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _number(name: str, path: str | os.PathLike[str], word: str, column: str, row: int) -> float:
+    try:
+        return float(word) if word.strip() else float("nan")
+    except ValueError:
+        raise InputError(
+            f"{name}: {path} holds {word[:40]!r}, which is no number, in column {column} of row {row}; leave such columns out"
+        ) from None
