@@ -1,6 +1,8 @@
-"""Caps: flat ends with which modelling programs close a tube. They are found by where they lie, one period from each other."""
+"""Caps: ends with which modelling programs close a tube. Whatever lies there twice, a period apart, is no part of one period."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -9,14 +11,14 @@ from scipy.spatial import cKDTree
 
 from pearlbvp.mesh.periodic import Array, Integers
 
-ANGLES = (0.1, 10.0, 40.0)
-"""Between neighbouring triangles of one cap at most, in degrees: flat, flat but for digits, or bulging; tried in turn."""
+FLAT = 0.1
+"""Angle between neighbouring triangles of one flat part at most, in degrees."""
 
-FEWEST = 5
-"""Vertices around a cap at least."""
+FEWEST, MOST = 5, 1500
+"""Corners around a flat part at least that may be a cap, and such parts of equally many corners at most."""
 
-MOST = 1500
-"""Caps of equally many vertices around that are compared, the largest ones: where more are, none of them is a cap."""
+LIKE = 1e-3
+"""Relative difference from the period at which a distance between parts is tried."""
 
 
 def edges_of(triangles: Integers) -> tuple[Integers, Integers, Integers]:
@@ -52,64 +54,110 @@ def caps(points: Array, triangles: Integers, polygons: Integers, length: float, 
     Args:
         points: shape (P, 3).
         triangles: shape (T, 3).
-        polygons: number of the polygon that each triangle is of: those of one polygon lie in one cap, flat or not.
+        polygons: number of the polygon that each triangle is of: those of one polygon are one part, flat or not.
         length: the period.
         near: distance at which points are one.
     """
     edges, edge, count = edges_of(triangles)
-    open_ends = loops_of(edges[count == 1])
-    if len(open_ends) > 1 or (count > 2).any():
-        return None
-    order = np.argsort(edge.ravel(), kind="stable")
-    place = np.cumsum(count) - count
-    inner = count == 2
+    order, place, inner = np.argsort(edge.ravel(), kind="stable"), np.cumsum(count) - count, count == 2
     sides = np.column_stack((order[place[inner]], order[place[inner] + 1])) // 3
+    open_ends = loops_of(edges[count == 1])
+    parts = _parts(points, triangles, polygons, sides)
+    rims = _rims(parts, sides, edges[inner])
+    for step in _steps(points, edges, rims, open_ends, length, near):
+        if open_ends:
+            removed = _beyond(points, triangles, sides, edges[inner], open_ends[0], step, near)
+        else:
+            removed = np.isin(parts, _twice(points, rims, step, near))
+        if removed.any() and not removed.all():
+            left, _, number = edges_of(triangles[~removed])
+            ends = loops_of(left[number == 1])
+            if len(ends) == 2 and translation(points[ends[0]], points[ends[1]], near) is not None:
+                return removed
+    return None
+
+
+def _parts(points: Array, triangles: Integers, polygons: Integers, sides: Integers) -> Integers:
+    """Number of the flat part that each triangle is of."""
     at = points[triangles]
     normals = np.cross(at[:, 1] - at[:, 0], at[:, 2] - at[:, 0])
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     cosines = np.abs(np.einsum("ex,ex->e", normals[sides[:, 0]], normals[sides[:, 1]]))
-    same = polygons[sides[:, 0]] == polygons[sides[:, 1]]
-    for angle in ANGLES:
-        flat = (cosines > np.cos(np.radians(angle))) | same
-        graph = coo_matrix((np.ones(flat.sum()), sides[flat].T), shape=(len(triangles),) * 2)
-        patch = connected_components(graph, directed=False)[1]
-        rims = _rims(patch, sides, edges[inner], open_ends)
-        for one, other in _pairs(points, rims, length):
-            removed = np.isin(patch, [i for i in (one, other) if i >= 0])
-            if translation(points[rims[one]], points[rims[other]], near) is None or removed.all():
-                continue
-            left, _, left_count = edges_of(triangles[~removed])
-            if (np.unique(left[left_count == 1]).tolist() == np.unique(np.concatenate((rims[one], rims[other]))).tolist()) and (
-                len(loops_of(left[left_count == 1])) == 2
-            ):
-                return np.asarray(removed)
-    return None
+    same = (cosines > np.cos(np.radians(FLAT))) | (polygons[sides[:, 0]] == polygons[sides[:, 1]])
+    graph = coo_matrix((np.ones(same.sum()), sides[same].T), shape=(len(triangles),) * 2)
+    return np.asarray(connected_components(graph, directed=False)[1])
 
 
-def _rims(patch: Integers, sides: Integers, edges: Integers, open_ends: list[Integers]) -> dict[int, Integers]:
-    """Vertices around each patch; an open end is patch -1."""
-    pair = patch[sides]
+def _rims(parts: Integers, sides: Integers, edges: Integers) -> dict[int, Integers]:
+    """Vertices around each part."""
+    pair = parts[sides]
     between = pair[:, 0] != pair[:, 1]
-    owner = pair[between].ravel()
-    ends = np.repeat(edges[between], 2, axis=0)
+    owner, ends = pair[between].ravel(), np.repeat(edges[between], 2, axis=0)
     order = np.argsort(owner, kind="stable")
     names, begin = np.unique(owner[order], return_index=True)
-    parts = np.split(ends[order], begin[1:])
-    rims = {int(name): np.unique(part) for name, part in zip(names, parts, strict=True) if len(part) >= FEWEST}
-    return rims | {-1 - i: end for i, end in enumerate(open_ends)}
+    return {name: np.unique(part) for name, part in zip(names.tolist(), np.split(ends[order], begin[1:]), strict=False)}
 
 
-def _pairs(points: Array, rims: dict[int, Integers], length: float) -> list[tuple[int, int]]:
-    """Rims of equally many vertices whose centres lie a period apart; with an open end only those that go with it."""
-    sizes = {name: len(rim) for name, rim in rims.items()}
-    found = []
-    for size in sorted(set(sizes.values()), reverse=True):
-        names = [name for name, own in sizes.items() if own == size]
-        centres = np.array([points[rims[name]].mean(axis=0) for name in names])
-        if len(names) > MOST:
+def _steps(
+    points: Array, edges: Integers, rims: dict[int, Integers], open_ends: list[Integers], length: float, near: float
+) -> Iterator[Array]:
+    """Vectors of a period's length by which one end may lie from the other.
+
+    They lead from one flat part, or the open end, to another of the same rim, from one middle of a fan to another, or along
+    the coordinates.
+    """
+    by_size: dict[int, list[Integers]] = {}
+    for rim in rims.values():
+        if len(rim) >= FEWEST:
+            by_size.setdefault(len(rim), []).append(rim)
+    for size in sorted(by_size, reverse=True):
+        some = by_size[size] if len(by_size[size]) <= MOST else []
+        begins = open_ends or some
+        if not some or not begins:
             continue
-        apart = np.linalg.norm(centres[:, None] - centres, axis=2)
-        for i, j in np.argwhere(np.triu(np.abs(apart - length) < 1e-3 * length, 1)):
-            if -1 not in rims or -1 in (names[i], names[j]):
-                found.append((names[i], names[j]))
-    return found
+        apart = np.array([points[rim].mean(axis=0) for rim in some]) - np.array(
+            [points[rim].mean(axis=0) for rim in begins]
+        ).reshape(-1, 1, 3)
+        for i, j in np.argwhere(np.abs(np.linalg.norm(apart, axis=2) - length) < LIKE * length):
+            if translation(points[begins[i]], points[some[j]], near) is not None:
+                yield apart[i, j]
+    middles = np.argsort(np.bincount(edges.ravel(), minlength=len(points)))[-2:]
+    begins_at = [points[open_ends[0]].mean(axis=0)] if open_ends else list(points[middles])
+    for begin in begins_at:
+        for step in points[middles] - begin:
+            if abs(np.linalg.norm(step) - length) < LIKE * length:
+                yield step
+    for step in length * np.eye(3)[[0, 2, 1]]:
+        yield step
+        yield -step
+
+
+def _twice(points: Array, rims: dict[int, Integers], step: Array, near: float) -> list[int]:
+    """Parts of which there is another one a step on, and those."""
+    names = list(rims)
+    if not names:
+        return []
+    centres = np.array([points[rims[name]].mean(axis=0) for name in names])
+    pairs = cKDTree(centres).query_ball_point(centres + step, near)
+    return [
+        name
+        for i, others in enumerate(pairs)
+        for j in others
+        if i != j and translation(points[rims[names[i]]], points[rims[names[j]]], near) is not None
+        for name in (names[i], names[j])
+    ]
+
+
+def _beyond(
+    points: Array, triangles: Integers, sides: Integers, edges: Integers, end: Integers, step: Array, near: float
+) -> Array:
+    """Triangles on the other side of where the open end lies a step on, seen from the open end."""
+    used = np.unique(triangles)
+    distance, place = cKDTree(points[used]).query(points[end] + step)
+    if distance.max() > near:
+        return np.zeros(len(triangles), dtype=bool)
+    rim = np.isin(edges, used[place]).all(axis=1)
+    graph = coo_matrix((np.ones((~rim).sum()), sides[~rim].T), shape=(len(triangles),) * 2)
+    part = connected_components(graph, directed=False)[1]
+    near_end = part[np.isin(triangles, end).any(axis=1)]
+    return np.asarray(~np.isin(part, near_end))

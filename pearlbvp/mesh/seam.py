@@ -18,8 +18,8 @@ SEAM = 1e-2
 PERIOD = 2e-5
 """Relative difference between the period that is given and that of a file at which they are the same."""
 
-WRAPPED = 0.25
-"""Difference, in mean edges, between the period that is given and that which a tube without ends shows at its seam."""
+DOUBT = 4.0
+"""Standard errors by which the period of a tube without ends may differ from that at which its seam is smoothest."""
 
 NAMES = "xyz"
 
@@ -33,12 +33,14 @@ class Seam:
         vertex: the vertex that each point is, shape (P,), by the first of the points that are one.
         wraps: periods by which the triangles' corners are shifted from there, shape (T, 3).
         apart: largest distance, but for whole periods, between points that are one.
+        said: what a user should know of it.
     """
 
     axis: Array
     vertex: Integers
     wraps: Integers
     apart: float
+    said: str = ""
 
 
 def turned(points: Array, axis: Array) -> Array:
@@ -128,6 +130,14 @@ def _joined(
     return seam, int(number[number != 2].sum())
 
 
+def overlap(points: Array, length: float, near: float) -> Integers | None:
+    """Two points that lie at the same place but for whole periods along ``x``; None if there are none."""
+    angle, circle = 2 * np.pi * points[:, 0] / length, length / (2 * np.pi)
+    first = joined_points(np.column_stack((circle * np.cos(angle), circle * np.sin(angle), points[:, 1:])), near)
+    again = np.flatnonzero(first != np.arange(len(points)))
+    return np.array([first[again[0]], again[0]]) if len(again) else None
+
+
 def _extent(points: Array) -> str:
     low, high = points[:, 0].min(), points[:, 0].max()
     return f"x, which runs from {low:.6g} to {high:.6g}"
@@ -160,37 +170,59 @@ def _other_period(points: Array, triangles: Integers, length: float, found: floa
 def of_wrapped(points: Array, triangles: Integers, length: float) -> Seam | None:
     """The seam of a tube without ends, some triangles of which lead from its last vertices back to its first; None if none do.
 
-    Such triangles are long: each edge is taken to lead to the nearest image of its end. How far on the first vertices follow
-    is what makes the surface smooth there (least bending of its edges' graph), the axis is that direction, a coordinate's
-    where it is near one, and the distance has to be the period.
+    Such triangles are long: each edge is taken to lead to the nearest image of its end. Nothing in the file says how far on the
+    first vertices follow, but that the surface is as smooth there as elsewhere: the vector with which it is smoothest has to
+    be the period, along a coordinate or along itself.
+
+    Raises:
+        InputError: it is smooth there with another period.
     """
+    used, number = np.unique(triangles, return_inverse=True)
+    size, points, triangles = len(points), points[used], number.reshape(-1, 3)
     ends = np.column_stack((triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()))
     steps = points[ends[:, 1]] - points[ends[:, 0]]
     longest = steps[np.linalg.norm(steps, axis=1).argmax()]
+    other = None
     for axis in (*np.eye(3)[[0, 2, 1]], _axis(longest)):
         for _ in range(3):
             shift = -np.round(steps @ axis / length).astype(np.int64)
             if not shift.any() or shift.reshape(-1, 3).sum(axis=1).any():
                 break
-            step = _smoothest(points, ends, shift)
-            edge = float(np.linalg.norm(steps + np.outer(shift, length * axis), axis=1).mean())
-            if np.linalg.norm(step - length * axis) < WRAPPED * edge:
+            step, doubt = _smoothest(points, ends, shift)
+            if np.linalg.norm(step - length * axis) <= DOUBT * doubt:
                 wraps = np.column_stack((0 * shift[::3], shift[::3], -shift[2::3]))
-                return Seam(axis, np.arange(len(points)), wraps, 0.0)
-            axis = _axis(step) if abs(np.linalg.norm(step) - length) < WRAPPED * edge else axis
+                leading = int((wraps != 0).any(axis=1).sum())
+                said = f"let {leading} triangles lead on into the next period (by the mesh {np.linalg.norm(step):.4g}"
+                return Seam(axis, np.arange(size), wraps, 0.0, f"{said} +- {max(DOUBT * doubt, 1e-4 * length):.1g})")
+            if abs(np.linalg.norm(step) - length) > DOUBT * doubt:
+                other = other or (float(np.linalg.norm(step)), named(_axis(step)))
+                break
+            axis = _axis(step)
+    if other is not None:
+        raise InputError(
+            f"length: its triangles lead on to where it begins smoothly after {other[0]:.4g} along {other[1]}, and not after "
+            f"{length:g}; give its period, or a file whose last vertices are its first ones a period on"
+        )
     return None
 
 
-def _smoothest(points: Array, ends: Integers, shift: Integers) -> Array:
-    """The period, as a vector, with which the second differences over the graph of edges vary least at the seam."""
+def _smoothest(points: Array, ends: Integers, shift: Integers) -> tuple[Array, float]:
+    """The period, as a vector, with which the surface is smoothest at its seam, and the standard error of that.
+
+    Least squares of the second differences of second differences over the graph of edges, which are linear in the period
+    at the seam; what they are elsewhere is their error.
+    """
     size = len(points)
     tail, head = np.concatenate((ends, ends[:, ::-1])).T
     graph = coo_matrix((np.ones(len(tail)), (tail, head)), shape=(size, size)).tocsr()
-    degree = np.maximum(np.bincount(tail, minlength=size), 1)
+    degree = np.bincount(tail, minlength=size)
 
     def differences(values: Array) -> Array:
         return np.asarray((graph @ values) / degree[:, None] - values)
 
     steps = np.bincount(tail, np.concatenate((shift, -shift)), minlength=size) / degree
     seen, known = differences(steps[:, None])[:, 0], differences(differences(points))
-    return np.asarray(-(seen @ known) / (seen @ seen))
+    elsewhere = known[np.abs(seen) < 1e-12]
+    spread = np.linalg.norm(elsewhere) / np.sqrt(max(len(elsewhere), 1))
+    weight = max(float(seen @ seen), 1e-300)
+    return np.asarray(-(seen @ known) / weight), float(spread / np.sqrt(weight))

@@ -12,8 +12,8 @@ from pearlbvp.errors import InputError
 from pearlbvp.mesh.caps import caps, edges_of, loops_of
 from pearlbvp.mesh.formats.soup import Soup
 from pearlbvp.mesh.periodic import Array, Integers, MeshError, PeriodicMesh
-from pearlbvp.mesh.repair import Surface, counted, repaired
-from pearlbvp.mesh.seam import SEAM, Seam, named, of_ends, of_wrapped, turned
+from pearlbvp.mesh.repair import SAME, Surface, counted, repaired
+from pearlbvp.mesh.seam import SEAM, Seam, named, of_ends, of_wrapped, overlap, turned
 
 UNLIKE = 1e-4
 """Relative difference of area or volume between the mesh and the file's own triangles that is none."""
@@ -47,6 +47,11 @@ def tube_of(soup: Soup, length: float) -> tuple[PeriodicMesh, tuple[str, ...]]:
         mesh = PeriodicMesh(points[kept], number.reshape(-1, 3), wraps, length)
     except MeshError as error:
         raise error.renumbered(surface.corners, surface.first, surface.faces) from None
+    if (twice := overlap(mesh.vertices, length, SAME * float(np.median(mesh.edge_lengths)))) is not None:
+        raise InputError(
+            "vertices: vertex {} and vertex {} (of the file, from {} on) lie at the same place, but for whole periods; give one "
+            "period, whose ends do not overlap and are open or flat".format(*kept[twice] + surface.first, surface.first)
+        )
     _compare(mesh, surface, seam)
     faces = len(np.unique(surface.faces[flipped]))
     away = seam.apart > WORTH_SAYING * float(mesh.edge_lengths.mean())
@@ -91,8 +96,7 @@ def _seam(surface: Surface, length: float) -> tuple[Surface, Seam]:
             seam = of_wrapped(surface.points, surface.triangles, length)
             if seam is None:
                 raise InputError(_closed(surface, length))
-            wrapped = int((seam.wraps != 0).any(axis=1).sum())
-            return surface.saying(f"let {counted(wrapped, 'triangle')} lead on into the next period"), seam
+            return surface.saying(seam.said), seam
     return surface, of_ends(surface.points, surface.triangles, length)
 
 
