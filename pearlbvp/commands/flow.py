@@ -49,8 +49,9 @@ if TYPE_CHECKING:
 @click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
 @click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv",
               help="Start from radii instead: columns x and r, with --c0 and --length.")  # fmt: skip
-@click.option("--mesh", type=click.Path(path_type=Path), metavar="FILE.vtu|.ply|.obj",
-              help="Start from a triangulated tube instead, one period, with --c0 and --length.")  # fmt: skip
+@click.option("--mesh", type=click.Path(path_type=Path), metavar="FILE",
+              help="Start from a triangulated tube instead, one period, with --c0 and --length: VTU, VTP, VTK, PLY, OBJ, STL, "
+              "OFF or MSH, repaired where needed.")  # fmt: skip
 @click.option(
     "--pressure", type=Number(), default=0.0, show_default=True, help="With --profile or --mesh, --law area: lambda2."
 )
@@ -355,10 +356,13 @@ def _of_a_file(
     """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
     from dataclasses import replace
 
-    from pearlbvp.mesh.files import read_mesh
+    from pearlbvp.mesh.files import check_radius, read_tube
     from pearlbvp.studies.flow_start import surface_start
 
-    found = read_mesh(path, length * radius)
+    found, said = read_tube(path, length * radius)
+    check_radius(found, radius)
+    if said:
+        print(f"pearlbvp: {said}", file=sys.stderr)
     found = replace(found, vertices=found.vertices / radius, length=length)
     return surface_start(c0, found, kind=kind, law=law, pressure=pressure)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -30,6 +31,9 @@ READERS: dict[str, Callable[[bytes], Soup]] = {
     ".off": read_off, ".coff": read_off, ".noff": read_off, ".msh": read_msh,
 }  # fmt: skip
 """Those that are read."""
+
+FAR = 2.0
+"""Factor between a tube's radius and the unit beyond which one of them is a mistake: forgotten units differ by ten or more."""
 
 MOST_BYTES = 1 << 28
 """Of a file that is read: a quarter of a gigabyte, a hundred times what flows can use."""
@@ -115,6 +119,21 @@ def read_tube(path: str | os.PathLike[str], length: float) -> tuple[PeriodicMesh
     return mesh, f"{path.name}: {', '.join(said)}" if said else ""
 
 
+def check_radius(mesh: PeriodicMesh, radius: float) -> None:
+    """Refuse a tube whose radius is another than that in which all else is measured.
+
+    Args:
+        mesh: in the unit of ``radius``.
+        radius: of the straight tube of the same area and period, but for a factor.
+
+    Raises:
+        InputError: they differ by more than a factor of two.
+    """
+    found = mesh.area / (2 * math.pi * mesh.length)
+    if not 1 / FAR < found / radius < FAR:
+        raise InputError(f"radius: the tube's radius is about {found:.2g}; give --radius {found:.2g}")
+
+
 def _content(path: Path) -> bytes:
     """All bytes of a regular file of bounded size."""
     if not path.is_file():
@@ -122,10 +141,11 @@ def _content(path: Path) -> bytes:
         raise InputError(f"mesh: there is no file {path} to read (it {what}); give one that exists")
     try:
         with path.open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
+            large = os.fstat(file.fileno()).st_size > MOST_BYTES
+            data = b"" if large else file.read(MOST_BYTES + 1)
     except OSError as error:
         raise InputError(f"mesh: {path} cannot be read ({error.strerror or error}); make it readable") from None
-    if len(data) > MOST_BYTES:
+    if large or len(data) > MOST_BYTES:
         raise InputError(f"mesh: {path} has more than {MOST_BYTES >> 20} MB; give a mesh of fewer triangles")
     return data
 
