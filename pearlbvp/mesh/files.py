@@ -164,5 +164,5 @@ def joined(points: Array, triangles: Integers, length: float, first: int = 0) ->
     try:
         soup = Soup.of(points, np.asarray(triangles).tolist(), first)
     except Unreadable as error:
-        raise InputError(f"triangles: {error}; give corners that are vertices") from None
+        raise InputError(f"triangles: {error}; give triangles of vertices") from None
     return tube_of(soup, length)[0]

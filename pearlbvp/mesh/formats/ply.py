@@ -96,7 +96,7 @@ def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
     if order is None or any(element.count < 0 for element in elements):
         raise Unreadable("its header has no format, or a negative count")
     if len({element.name for element in elements}) < len(elements):
-        raise Unreadable("its header has an element twice")
+        raise Unreadable("its header names the same rows twice")
     return order, elements, body
 
 
@@ -125,7 +125,7 @@ def _text(elements: list[_Element], body: bytes) -> dict[str, dict[str, Any]]:
             try:
                 _row(element, words, columns)
             except (ValueError, IndexError, OverflowError):
-                raise Unreadable(f"row {number} of its element {element.name} is not what its header declares") from None
+                raise Unreadable(f"{element.name} {number} is not what its header declares") from None
         found[element.name] = columns
     return found
 
@@ -157,7 +157,7 @@ def _binary(elements: list[_Element], body: bytes, order: str) -> dict[str, dict
         try:
             found[element.name], place = _table(element, body, place, order) or _lists(element, body, place, order)
         except (ValueError, IndexError):
-            raise Unreadable(f"it ends within the {element.count} rows of its element {element.name}") from None
+            raise Unreadable(f"it ends before the last {element.name} of {element.count}") from None
     if (rest := body[place:].strip()) and not rest.startswith((b"comment", b"#")):
         raise Unreadable(f"{len(body) - place} bytes follow on all that its header declares")
     return found

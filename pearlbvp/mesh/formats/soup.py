@@ -46,7 +46,7 @@ class Soup:
         if (wrong := np.flatnonzero((self.corners < 0) | (self.corners >= len(self.points)))).size:
             face = int(np.searchsorted(np.cumsum(self.sizes), wrong[0], side="right")) + self.first
             raise Unreadable(
-                f"a corner of face {face} is none of its {len(self.points)} vertices, which are numbered from {self.first}"
+                f"a corner is none of its {len(self.points)} vertices (in face {face}; both are numbered from {self.first})"
             )
 
     @classmethod

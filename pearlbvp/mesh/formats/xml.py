@@ -116,7 +116,7 @@ def _polygons(piece: ElementTree.Element, kind: str, coding: _Coding, count: int
         corners, ends = (_array(arrays.get(key), coding).astype(np.int64) for key in ("connectivity", "offsets"))
         kinds = np.full(declared, cell) if cell else _array(arrays.get("types"), coding).astype(np.int64)
         if not len(ends) == len(kinds) == declared or (len(corners) and not 0 <= corners.min() <= corners.max() < count):
-            raise Unreadable(f"a piece of it declares {declared} {name} on {count} points, and its arrays are others")
+            raise Unreadable(f"a piece of it declares {declared} {name} on {count} points, and has others")
         found.append(polygons_of(corners, np.concatenate(([0], ends)), kinds))
     return found
 
@@ -128,7 +128,7 @@ def _array(array: ElementTree.Element | None, coding: _Coding) -> Array | Intege
         Unreadable: there is no such array, or it is broken.
     """
     if array is None or array.get("type") not in TYPES:
-        raise Unreadable("an array of its points or cells is missing")
+        raise Unreadable("some of its points or cells are missing")
     dtype = np.dtype(coding.order + TYPES[array.get("type", "")])
     form = array.get("format", "ascii")
     try:
@@ -142,9 +142,9 @@ def _array(array: ElementTree.Element | None, coding: _Coding) -> Array | Intege
             data, is_raw = "".join((array.text or "").split()).encode("ascii"), False
         whole = _decoded(data, is_raw, coding)
     except (ValueError, IndexError, OverflowError, zlib.error, lzma.LZMAError):
-        raise Unreadable(f"its array {array.get('Name', 'Points')[:30]} is broken or cut off") from None
+        raise Unreadable(f"its {array.get('Name', 'Points')[:30]} are broken or cut off") from None
     if len(whole) % dtype.itemsize:
-        raise Unreadable(f"its array {array.get('Name', 'Points')[:30]} is no whole number of numbers")
+        raise Unreadable(f"its {array.get('Name', 'Points')[:30]} are no whole number of numbers")
     return np.frombuffer(whole, dtype)
 
 
