@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from commands import run
-from pearlbvp.errors import InputError
-from pearlbvp.mesh.files import MOST_BYTES, read_mesh, read_tube
 from tubes import L, Polygons, bent, cut, grid, helix, known, soup
 from writers import POLYGONS, QUADS, TRIANGLES
+
+from pearlbvp.errors import InputError
+from pearlbvp.mesh.files import MOST_BYTES, read_mesh, read_tube
 
 DATA = Path(__file__).parent / "data" / "meshes"
 
@@ -63,9 +63,13 @@ def test_quads_are_split_and_said(name, tmp_path):
 def test_concave_polygons_are_filled_inside(name, tmp_path):
     """Each row of a straight tube's faces is an L and the rest; cut from the first corner, an L covers what is not in it."""
     around, along = 10, 12
-    x, phi = np.meshgrid(np.arange(2 * along + 1) * L / (2 * along), 2 * np.pi * np.arange(around) / around, indexing="ij")
+    x, phi = np.meshgrid(
+        np.arange(2 * along + 1) * L / (2 * along), 2 * np.pi * np.arange(around) / around, indexing="ij"
+    )
     points = np.column_stack((x.ravel(), np.cos(phi).ravel(), np.sin(phi).ravel()))
-    middle = np.column_stack((x.ravel(), *(np.cos(np.pi / around) * f(phi + np.pi / around).ravel() for f in (np.cos, np.sin))))
+    middle = np.column_stack(
+        (x.ravel(), *(np.cos(np.pi / around) * f(phi + np.pi / around).ravel() for f in (np.cos, np.sin)))
+    )
     faces, n = [], len(points)
     for i in range(0, 2 * along, 2):
         for j in range(around):
@@ -178,7 +182,9 @@ def test_a_mesh_in_another_unit_of_length_asks_for_its_radius(capsys, tmp_path):
     assert (status, out) == (2, "")
     assert said == "pearlbvp: --radius: the tube's radius is about 50; give --radius 50\n"
     assert run(capsys, *call, "--radius", 50)[0] == 0
-    assert run(capsys, "flow", "--mesh", tmp_path / "nm.obj", "--c0", 0, "--length", 10, "--time", 1)[2].endswith("give 500\n")
+    assert run(capsys, "flow", "--mesh", tmp_path / "nm.obj", "--c0", 0, "--length", 10, "--time", 1)[2].endswith(
+        "give 500\n"
+    )
 
 
 def test_a_soup_and_what_it_was_are_one_mesh(tmp_path):

@@ -1,6 +1,7 @@
 """Known tubes, cut, closed, turned and spoiled as files of other programs have them: points and polygons."""
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -24,7 +25,9 @@ def bent(x, phi):
     """A pearled buckle, shorter along x where it bends."""
     k = 2 * np.pi / L
     r = 1 + 0.1 * np.cos(2 * k * x)
-    return np.column_stack((x + 0.3 * np.cos(phi) * np.sin(k * x), 0.6 * np.cos(k * x) + r * np.cos(phi), r * np.sin(phi)))
+    return np.column_stack(
+        (x + 0.3 * np.cos(phi) * np.sin(k * x), 0.6 * np.cos(k * x) + r * np.cos(phi), r * np.sin(phi))
+    )
 
 
 def known(surface=helix, nodes=220, jitter=0.0):
@@ -71,7 +74,12 @@ def grid(surface=pearl, around=12, along=18, repeated=True):
     x, phi = np.meshgrid(np.arange(along + repeated) * L / along, 2 * np.pi * np.arange(around) / around, indexing="ij")
     rows = along + 1 if repeated else along
     faces = [
-        [i * around + j, i * around + (j + 1) % around, (i + 1) % rows * around + (j + 1) % around, (i + 1) % rows * around + j]
+        [
+            i * around + j,
+            i * around + (j + 1) % around,
+            (i + 1) % rows * around + (j + 1) % around,
+            (i + 1) % rows * around + j,
+        ]
         for i in range(along)
         for j in range(around)
     ]
@@ -111,7 +119,7 @@ def soup(polygons):
     """Every face with vertices of its own."""
     flat = [corner for face in polygons.faces for corner in face]
     sizes = np.cumsum([0] + [len(face) for face in polygons.faces])
-    return Polygons(polygons.points[flat], [list(range(a, b)) for a, b in zip(sizes[:-1], sizes[1:], strict=True)])
+    return Polygons(polygons.points[flat], [list(range(a, b)) for a, b in pairwise(sizes)])
 
 
 def turned_round(polygons, share, seed=0):

@@ -22,7 +22,14 @@ def obj(p):
 def obj_maya(p):
     """Texture and normal indices of their own counts, groups, materials, smoothing, a byte-order mark, CRLF."""
     head = ["mtllib ../http://x/a.mtl", "g default", "# Übergröße"]
-    rest = [("vt", 0.1, 0.2), ("vn", 0, 0, 1), ("vn", 0, 1, 0), ("s", "off"), ("g", "pCylinder1"), ("usemtl", "initialShadingGroup")]
+    rest = [
+        ("vt", 0.1, 0.2),
+        ("vn", 0, 0, 1),
+        ("vn", 0, 1, 0),
+        ("s", "off"),
+        ("g", "pCylinder1"),
+        ("usemtl", "initialShadingGroup"),
+    ]
     faces = [("f", *(f"{i + 1}/1/{1 + i % 2}" for i in face)) for face in p.faces]
     text = lines(head, vertices(p.points) + rest + faces).decode()
     return b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode("latin-1")
@@ -38,24 +45,42 @@ def obj_negative(p):
     """Vertices counted from the last one, each face right behind those of its own."""
     rows = []
     for face in p.faces:
-        rows += vertices(p.points[face]) + [("f", *range(-len(face), 0))]
+        rows += [*vertices(p.points[face]), ("f", *range(-len(face), 0))]
     return lines(["o Tube"], rows)
 
 
 def obj_continued(p):
     """Lines that go on, edges, points, weights, tabulators."""
-    rows = vertices(p.points, (1.0,)) + [("l", 1, 2), ("p", 3)] + [("f", *(f"{i + 1} \\\n" for i in face[:-1]), face[-1] + 1) for face in p.faces]
+    rows = (
+        vertices(p.points, (1.0,))
+        + [("l", 1, 2), ("p", 3)]
+        + [("f", *(f"{i + 1} \\\n" for i in face[:-1]), face[-1] + 1) for face in p.faces]
+    )
     return lines([], rows, "\t")
 
 
-def ply(p, order="ascii", real="float", index="int", size="uchar", name="vertex_indices", normals=False, colours=False, edges=False):
+def ply(
+    p,
+    order="ascii",
+    real="float",
+    index="int",
+    size="uchar",
+    name="vertex_indices",
+    normals=False,
+    colours=False,
+    edges=False,
+):
     """Any PLY: normals come before the coordinates, colours after the corners, edges before the faces."""
     mark = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}[order]
     types = {"float": "f4", "double": "f8", "float32": "f4", "float64": "f8", "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2",
              "int": "i4", "uint": "u4", "int64": "i8", "uint64": "u8", "uint8": "u1", "int32": "i4"}  # fmt: skip
     coordinates = [f"property {real} {n}" for n in "xyz"]
     head = ["ply", f"format {order} 1.0", "comment Übung"]
-    head += [f"element vertex {len(p.points)}", *(["property float nx", "property float ny", "property float nz"] if normals else []), *coordinates]
+    head += [
+        f"element vertex {len(p.points)}",
+        *(["property float nx", "property float ny", "property float nz"] if normals else []),
+        *coordinates,
+    ]
     head += ["element edge 2", "property int vertex1", "property int vertex2"] if edges else []
     head += [f"element face {len(p.faces)}", f"property list {size} {index} {name}"]
     head += ["property uchar red", "property list uchar float texcoord"] if colours else []
@@ -67,7 +92,8 @@ def ply(p, order="ascii", real="float", index="int", size="uchar", name="vertex_
         rows += [(len(face), *face, *((7, 2, 0.5, 0.5) if colours else ())) for face in p.faces]
         return head + lines([], rows) + b"comment the end\n"
     body = np.rec.fromarrays(
-        [*normal.astype(mark + "f4").T, *p.points.astype(mark + types[real]).T], names=[f"c{i}" for i in range(3 + normal.shape[1])]
+        [*normal.astype(mark + "f4").T, *p.points.astype(mark + types[real]).T],
+        names=[f"c{i}" for i in range(3 + normal.shape[1])],
     ).tobytes()
     body += np.array([0, 1, 1, 2], mark + "i4").tobytes() if edges else b""
     for face in p.faces:
@@ -83,13 +109,21 @@ def corners(p):
 def stl(p):
     facets = np.zeros(len(p.faces), [("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")])
     facets["v"] = corners(p)
-    return b"solid made by a program that begins like text".ljust(80) + struct.pack("<I", len(facets)) + facets.tobytes()
+    return (
+        b"solid made by a program that begins like text".ljust(80) + struct.pack("<I", len(facets)) + facets.tobytes()
+    )
 
 
 def stl_text(p):
     rows = []
     for triangle in corners(p):
-        rows += ["facet normal 0 0 0", "outer loop", *(f"vertex {x:.9e} {y:.9e} {z:.9e}" for x, y, z in triangle), "endloop", "endfacet"]
+        rows += [
+            "facet normal 0 0 0",
+            "outer loop",
+            *(f"vertex {x:.9e} {y:.9e} {z:.9e}" for x, y, z in triangle),
+            "endloop",
+            "endfacet",
+        ]
     half = 7 * (len(p.faces) // 2)
     return "\n".join(["solid a", *rows[:half], "endsolid a", "solid b", *rows[half:], "endsolid b", ""]).encode()
 
@@ -107,7 +141,12 @@ def vtk(p, binary=False, grid=False, version="3.0"):
     n = sum(map(len, p.faces))
     flat = [i for face in p.faces for i in face]
     name = "CELLS" if grid else "POLYGONS"
-    parts = [f"# vtk DataFile Version {version}", "a tube", "BINARY" if binary else "ASCII", f"DATASET {'UNSTRUCTURED_GRID' if grid else 'POLYDATA'}"]
+    parts = [
+        f"# vtk DataFile Version {version}",
+        "a tube",
+        "BINARY" if binary else "ASCII",
+        f"DATASET {'UNSTRUCTURED_GRID' if grid else 'POLYDATA'}",
+    ]
 
     def block(head, values, kind):
         body = np.asarray(values).astype(kind).tobytes() if binary else " ".join(f"{v:.9g}" for v in values).encode()
@@ -116,9 +155,13 @@ def vtk(p, binary=False, grid=False, version="3.0"):
     text = "\n".join(parts).encode() + b"\n" + block(f"POINTS {len(p.points)} double", p.points.ravel(), ">f8")
     if version == "5.1":
         offsets = np.cumsum([0] + [len(face) for face in p.faces])
-        text += block(f"{name} {len(offsets)} {n}\nOFFSETS vtktypeint64", offsets, ">i8") + block("CONNECTIVITY vtktypeint64", flat, ">i8")
+        text += block(f"{name} {len(offsets)} {n}\nOFFSETS vtktypeint64", offsets, ">i8") + block(
+            "CONNECTIVITY vtktypeint64", flat, ">i8"
+        )
     else:
-        text += block(f"{name} {len(p.faces)} {n + len(p.faces)}", [i for face in p.faces for i in (len(face), *face)], ">i4")
+        text += block(
+            f"{name} {len(p.faces)} {n + len(p.faces)}", [i for face in p.faces for i in (len(face), *face)], ">i4"
+        )
     if grid:
         text += block(f"CELL_TYPES {len(p.faces)}", [{3: 5, 4: 9}.get(len(face), 7) for face in p.faces], ">i4")
     return text + f"POINT_DATA {len(p.points)}\nSCALARS a float\nLOOKUP_TABLE default\n".encode()
@@ -172,7 +215,12 @@ def msh(p, version="2.2"):
         cells = [(len(p.faces) + 1,), (1, 15, 2, 0, 1, tag[0])]
         cells += [(i + 2, {3: 2, 4: 3}[len(face)], 2, 1, 1, *(tag[j] for j in face)) for i, face in enumerate(p.faces)]
     else:
-        nodes = [(1, len(tag), tag[0], tag[-1]), (2, 1, 0, len(tag)), *((t,) for t in tag), *(tuple(point) for point in p.points)]
+        nodes = [
+            (1, len(tag), tag[0], tag[-1]),
+            (2, 1, 0, len(tag)),
+            *((t,) for t in tag),
+            *(tuple(point) for point in p.points),
+        ]
         blocks = [(k, [face for face in p.faces if len(face) == k + 1]) for k in (2, 3)]
         blocks = [(k, faces) for k, faces in blocks if faces]
         cells, number = [(len(blocks), len(p.faces), 1, len(p.faces))], 1

@@ -1,15 +1,18 @@
-"""Caps: ends with which modelling programs close a tube. Whatever lies there twice, a period apart, is no part of one period."""
+"""Caps: ends with which modelling programs close a tube. What lies twice, a period apart, is no part of one period."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from pearlbvp.mesh.periodic import Array, Integers
+
+Mask = NDArray[np.bool_]
 
 FLAT = 0.1
 """Angle between neighbouring triangles of one flat part at most, in degrees."""
@@ -48,7 +51,7 @@ def translation(one: Array, other: Array, near: float) -> Array | None:
     return np.asarray(moved)
 
 
-def caps(points: Array, triangles: Integers, polygons: Integers, length: float, near: float) -> Array | None:
+def caps(points: Array, triangles: Integers, polygons: Integers, length: float, near: float) -> Mask | None:
     """Which triangles are caps of a tube that is closed at one end or at both; None if no two ends lie a period apart.
 
     Args:
@@ -65,10 +68,11 @@ def caps(points: Array, triangles: Integers, polygons: Integers, length: float, 
     parts = _parts(points, triangles, polygons, sides)
     rims = _rims(parts, sides, edges[inner])
     for step in _steps(points, edges, rims, open_ends, length, near):
-        if open_ends:
-            removed = _beyond(points, triangles, sides, edges[inner], open_ends[0], step, near)
-        else:
-            removed = np.isin(parts, _twice(points, rims, step, near))
+        removed = (
+            _beyond(points, triangles, sides, edges[inner], open_ends[0], step, near)
+            if open_ends
+            else np.isin(parts, _twice(points, rims, step, near))
+        )
         if removed.any() and not removed.all():
             left, _, number = edges_of(triangles[~removed])
             ends = loops_of(left[number == 1])
@@ -150,7 +154,7 @@ def _twice(points: Array, rims: dict[int, Integers], step: Array, near: float) -
 
 def _beyond(
     points: Array, triangles: Integers, sides: Integers, edges: Integers, end: Integers, step: Array, near: float
-) -> Array:
+) -> Mask:
     """Triangles on the other side of where the open end lies a step on, seen from the open end."""
     used = np.unique(triangles)
     distance, place = cKDTree(points[used]).query(points[end] + step)

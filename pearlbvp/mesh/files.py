@@ -106,14 +106,18 @@ def read_tube(path: str | os.PathLike[str], length: float) -> tuple[PeriodicMesh
     path, length = Path(path), positive("length", length)
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise InputError(
-            f"mesh: {path.name} has none of the endings {', '.join(READERS)}; choose one of these formats"
-        )
+        raise InputError(f"mesh: {path.name} has none of the endings {', '.join(READERS)}; choose one of these formats")
+    data = _content(path)
     try:
-        soup = reader(_content(path))
+        with np.errstate(invalid="ignore"):  # bytes that are no numbers are named as such later on
+            soup = reader(data)
     except Unreadable as error:
         raise InputError(
             f"mesh: {path} cannot be read as {path.suffix[1:].upper()} ({error}); export it again"
+        ) from None
+    except (ValueError, LookupError, OverflowError):  # of words that are no numbers, or numbers beyond all use
+        raise InputError(
+            f"mesh: {path} cannot be read as {path.suffix[1:].upper()} (it is broken or cut off); export it again"
         ) from None
     mesh, said = tube_of(soup, length)
     return mesh, f"{path.name}: {', '.join(said)}" if said else ""

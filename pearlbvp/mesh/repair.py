@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -16,6 +17,9 @@ from pearlbvp.mesh.polygons import split
 
 SAME = 1e-5
 """Distance, in median edges, at which two points are one, and height, in its longest edge, at which a triangle has no area."""
+
+LARGEST = 1e30
+"""Coordinates whose products are still numbers."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,7 @@ class Surface:
         """The triangles, shape (T, 3), by one point for each place."""
         return self.vertex[self.corners]
 
-    def only(self, kept: Array | Integers) -> Surface:
+    def only(self, kept: NDArray[np.bool_] | Integers) -> Surface:
         """Some of the triangles."""
         return replace(self, corners=self.corners[kept], faces=self.faces[kept])
 
@@ -74,7 +78,7 @@ def repaired(soup: Soup) -> Surface:
             f"vertices: vertex {wrong[0] + soup.first} (of the file, from {soup.first} on) at {soup.points[wrong[0]]} is not "
             "finite; give ordinary numbers"
         )
-    if float(np.ptp(soup.points[used], axis=0).max()) > 1e100:
+    if float(np.abs(soup.points[used]).max()) > LARGEST:
         raise InputError(f"vertices: they reach {np.abs(soup.points[used]).max():.3g}; give a tube of ordinary size")
     owner = np.repeat(np.arange(len(soup.sizes)), soup.sizes)
     vertex = _welded(soup, used)

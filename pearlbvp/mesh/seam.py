@@ -44,7 +44,7 @@ class Seam:
 
 
 def turned(points: Array, axis: Array) -> Array:
-    """Points turned so that the axis lies along ``x``: coordinates in turn where it is one of theirs, else by the least turn."""
+    """Points turned so that the axis lies along ``x``: coordinates exchanged where it is one of them, else the least turn."""
     along = np.flatnonzero(axis == 1)
     if len(along):
         return np.roll(points, -int(along[0]), axis=1)

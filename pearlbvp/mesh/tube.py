@@ -1,4 +1,4 @@
-"""A soup of polygons as one period of a tube: without caps, its axis along ``x``, its seam closed, oriented outwards, checked."""
+"""Polygons of a file as one period of a tube: without caps, axis along ``x``, seam closed, oriented outwards, checked."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from pearlbvp.errors import InputError
-from pearlbvp.mesh.caps import caps, edges_of, loops_of
+from pearlbvp.mesh.caps import Mask, caps, edges_of, loops_of
 from pearlbvp.mesh.formats.soup import Soup
 from pearlbvp.mesh.periodic import Array, Integers, MeshError, PeriodicMesh
 from pearlbvp.mesh.repair import SAME, Surface, counted, repaired
@@ -49,8 +49,10 @@ def tube_of(soup: Soup, length: float) -> tuple[PeriodicMesh, tuple[str, ...]]:
         raise error.renumbered(surface.corners, surface.first, surface.faces) from None
     if (twice := overlap(mesh.vertices, length, SAME * float(np.median(mesh.edge_lengths)))) is not None:
         raise InputError(
-            "vertices: vertex {} and vertex {} (of the file, from {} on) lie at the same place, but for whole periods; give one "
-            "period, whose ends do not overlap and are open or flat".format(*kept[twice] + surface.first, surface.first)
+            "vertices: vertex {} and vertex {} (of the file, from {} on) lie at the same place, but for whole periods; give "
+            "one period, whose ends do not overlap and are open or flat".format(
+                *kept[twice] + surface.first, surface.first
+            )
         )
     _compare(mesh, surface, seam)
     faces = len(np.unique(surface.faces[flipped]))
@@ -91,7 +93,9 @@ def _seam(surface: Surface, length: float) -> tuple[Surface, Seam]:
         found = caps(surface.points, surface.triangles, surface.faces, length, near)
         if found is not None:
             faces = len(np.unique(surface.faces[found]))
-            surface = surface.only(~found).saying(f"removed {'caps' if len(rim) == 0 else 'a cap'} of {counted(faces, 'face')}")
+            surface = surface.only(~found).saying(
+                f"removed {'caps' if len(rim) == 0 else 'a cap'} of {counted(faces, 'face')}"
+            )
         elif len(rim) == 0:
             seam = of_wrapped(surface.points, surface.triangles, length)
             if seam is None:
@@ -109,7 +113,7 @@ def _closed(surface: Surface, length: float) -> str:
     )
 
 
-def _oriented(surface: Surface, triangles: Integers, wraps: Integers) -> tuple[Integers, Array]:
+def _oriented(surface: Surface, triangles: Integers, wraps: Integers) -> tuple[Integers, Mask]:
     """Order of each triangle's corners in which all are oriented alike, shape (T, 3), and which ones it turns.
 
     Each triangle has two nodes in a graph, one for each orientation, joined where they fit along an edge: a surface that can

@@ -23,7 +23,10 @@ def read_msh(data: bytes) -> Soup:
     """
     if not data.lstrip().startswith((b"$MeshFormat", b"$Comments")) or b"$EndElements" not in data:
         raise Unreadable("it does not begin as an MSH file does, or is cut off before $EndElements")
-    for section in (rb"\$Nodes\s+([\d ]+)", rb"\$Elements\s+([\d ]+)"):  # of text; meshio makes arrays of what is declared
+    for section in (
+        rb"\$Nodes\s+([\d ]+)",
+        rb"\$Elements\s+([\d ]+)",
+    ):  # of text; meshio makes arrays of what is declared
         if (match := re.search(section, data)) and max(map(int, match[1].split()[:2]), default=0) > len(data):
             raise Unreadable("it declares more nodes or elements than it can hold")
     try:
@@ -36,7 +39,9 @@ def read_msh(data: bytes) -> Soup:
         raise Unreadable("it is broken or cut off") from None
     blocks = [(block.type, np.asarray(block.data)) for block in found.cells]
     if others := sorted({kind for kind, _ in blocks} - {"triangle", "quad", *IDLE}):
-        raise Unreadable(f"it has cells of kind {others[0]}; mesh its surface alone, by triangles or quads of first order")
+        raise Unreadable(
+            f"it has cells of kind {others[0]}; mesh its surface alone, by triangles or quads of first order"
+        )
     parts = [cells for kind, cells in blocks if kind not in IDLE]
     if not all(np.issubdtype(cells.dtype, np.integer) for cells in parts):
         raise Unreadable("it is broken or cut off")

@@ -7,9 +7,12 @@ import numpy as np
 from pearlbvp.mesh.formats.soup import Soup, Unreadable, integers, numbers, text_of
 
 IDLE = frozenset(
-    "vt vn vp g o s l p usemtl mtllib usemap maplib lod bevel c_interp d_interp shadow_obj trace_obj mg deg cstype bmat step parm "
-    "trim hole scrv sp end con curv curv2 ctech stech bsp bzp cdc cdp res".split()
-)
+    (
+        "vt", "vn", "vp", "g", "o", "s", "l", "p", "usemtl", "mtllib", "usemap", "maplib", "lod", "bevel", "c_interp",
+        "d_interp", "shadow_obj", "trace_obj", "mg", "deg", "cstype", "bmat", "step", "parm", "trim", "hole", "scrv", "sp",
+        "end", "con", "curv", "curv2", "ctech", "stech", "bsp", "bzp", "cdc", "cdp", "res",
+    )
+)  # fmt: skip
 """Statements that say nothing of the surface. Free-form surfaces (``surf``) and other files (``call``) are not among them."""
 
 

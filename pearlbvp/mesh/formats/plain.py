@@ -47,8 +47,13 @@ def _text_of_facets(data: bytes) -> Array:
             if word == "endfacet" and counts["vertex"] != 3 * counts["facet"]:
                 raise ValueError
         except (KeyError, ValueError):
-            raise Unreadable(f"line {number} begins with {words[0][:20]!r} where a facet of three vertices goes on") from None
-    if counts["solid"] != counts["endsolid"] or len({counts[name] for name in ("facet", "outer", "endloop", "endfacet")}) > 1:
+            raise Unreadable(
+                f"line {number} begins with {words[0][:20]!r} where a facet of three vertices goes on"
+            ) from None
+    if (
+        counts["solid"] != counts["endsolid"]
+        or len({counts[name] for name in ("facet", "outer", "endloop", "endfacet")}) > 1
+    ):
         raise Unreadable("it is cut off")
     return np.array(values).reshape(-1, 3, 3)
 
@@ -70,21 +75,21 @@ def read_off(data: bytes) -> Soup:
     except (ValueError, StopIteration, OverflowError):
         raise Unreadable("it does not say how many vertices and faces it has") from None
     try:
-        points = [numbers(row)[:3] for row in islice(rows, max(vertices, 0))]
+        points = [numbers(row) for row in islice(rows, max(vertices, 0))]
         polygons = [_corners(row) for row in islice(rows, max(faces, 0))]
-        if any(len(point) != 3 for point in points):
+        if len(set(map(len, points))) > 1 or (points and len(points[0]) < 3):  # as many numbers behind x, y, z in each
             raise ValueError
     except (ValueError, IndexError, OverflowError):
         raise Unreadable("a line is neither a vertex nor a face where its counts want one") from None
     if (len(points), len(polygons)) != (vertices, faces) or next(rows, None) is not None:
         raise Unreadable(f"it does not hold the {vertices} vertices and {faces} faces that it declares")
-    return Soup.of(np.array(points), polygons)
+    return Soup.of(np.array(points).reshape(vertices, -1)[:, :3], polygons)
 
 
 def _corners(row: list[str]) -> list[int]:
-    """Corners of a face's line; a colour may follow."""
+    """Corners of a face's line; a colour may follow, as an index or of three or four parts."""
     size = integers(row[:1])[0]
     found = integers(row[1 : size + 1])
-    if size < 1 or len(found) != size:
+    if size < 1 or len(found) != size or len(numbers(row[size + 1 :])) not in (0, 1, 3, 4):
         raise ValueError
     return found

@@ -196,7 +196,10 @@ def _table(element: _Element, body: bytes, place: int, order: str) -> tuple[dict
 def _lists(element: _Element, body: bytes, place: int, order: str) -> tuple[dict[str, list[Any]], int]:
     """Columns of an element whose lists differ in length, and where it ends."""
     columns: dict[str, list[Any]] = {field.name: [] for field in element.properties}
-    kinds = [(field.name, field.size and np.dtype(order + field.size), np.dtype(order + field.kind)) for field in element.properties]
+    kinds = [
+        (field.name, field.size and np.dtype(order + field.size), np.dtype(order + field.kind))
+        for field in element.properties
+    ]
     if element.count > len(body):
         raise ValueError
     for _ in range(element.count):

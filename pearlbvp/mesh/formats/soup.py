@@ -9,7 +9,6 @@ import numpy as np
 
 from pearlbvp.mesh.periodic import Array, Integers
 
-
 Polygons = tuple[Integers, Integers]
 """Corners of polygons, one after the other, and their number for each."""
 

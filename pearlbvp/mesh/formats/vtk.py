@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pearlbvp.mesh.formats.cells import POLYGON, STRIP, polygons_of
 from pearlbvp.mesh.formats.soup import Soup, Unreadable, integers, numbers
-from pearlbvp.mesh.periodic import Array, Integers
+from pearlbvp.mesh.periodic import Integers
 
 TYPES = {
     "char": "i1", "unsigned_char": "u1", "short": "i2", "unsigned_short": "u2", "int": "i4", "unsigned_int": "u4",
@@ -38,7 +40,11 @@ class _Cursor:
                 return words
         return []
 
-    def values(self, count: int, kind: str) -> Array | Integers:
+    def integers(self, count: int, kind: str = "int") -> Integers:
+        """So many whole numbers of a type of VTK's."""
+        return np.asarray(self.values(count, kind)).astype(np.int64)
+
+    def values(self, count: int, kind: str) -> NDArray[Any]:
         """So many numbers of a type of VTK's."""
         dtype = np.dtype(">" + TYPES[kind.lower()])
         if not 0 <= count <= len(self.data) - self.place:
@@ -46,7 +52,7 @@ class _Cursor:
         if self.binary:
             found = np.frombuffer(self.data, dtype, count, self.place)
             self.place += found.nbytes
-            return found.astype(np.float64 if dtype.kind == "f" else np.int64)
+            return found
         pattern = re.compile(rb"\S+")
         words: list[str] = []
         while len(words) < count and (match := pattern.search(self.data, self.place)):
@@ -54,7 +60,7 @@ class _Cursor:
             self.place = match.end()
         if len(words) < count:
             raise Unreadable(f"it declares {count} numbers and ends before them")
-        return np.array(numbers(words)) if dtype.kind == "f" else np.array(integers(words), dtype=np.int64)
+        return np.array(numbers(words) if dtype.kind == "f" else integers(words), dtype=dtype.newbyteorder("="))
 
 
 def read_vtk(data: bytes) -> Soup:
@@ -67,8 +73,13 @@ def read_vtk(data: bytes) -> Soup:
     if not head:
         raise Unreadable("it does not begin as a VTK file does")
     cursor = _Cursor(data, head[2].upper() == b"BINARY", head.end())
-    if (words := [word.upper() for word in cursor.words()]) not in (["DATASET", "POLYDATA"], ["DATASET", "UNSTRUCTURED_GRID"]):
-        raise Unreadable(f"its data set is {' '.join(words[1:2]) or 'missing'}; write it as POLYDATA or UNSTRUCTURED_GRID")
+    if (words := [word.upper() for word in cursor.words()]) not in (
+        ["DATASET", "POLYDATA"],
+        ["DATASET", "UNSTRUCTURED_GRID"],
+    ):
+        raise Unreadable(
+            f"its data set is {' '.join(words[1:2]) or 'missing'}; write it as POLYDATA or UNSTRUCTURED_GRID"
+        )
     points, kinds, cells = None, None, []
     while words := cursor.words():
         name = words[0].upper()
@@ -77,11 +88,12 @@ def read_vtk(data: bytes) -> Soup:
         if name == "POINTS":
             points = np.asarray(cursor.values(3 * integers(words[1:2])[0], words[2]), dtype=float).reshape(-1, 3)
         elif name in ("CELLS", "POLYGONS", "TRIANGLE_STRIPS", "LINES", "VERTICES"):
-            found = _cells(cursor, *integers(words[1:3]))
+            count, size = integers(words[1:3])
+            found = _cells(cursor, count, size)
             if name not in ("LINES", "VERTICES"):
                 cells.append((name, *found))
         elif name == "CELL_TYPES":
-            kinds = np.asarray(cursor.values(integers(words[1:2])[0], "int"))
+            kinds = cursor.integers(integers(words[1:2])[0])
         elif name == "METADATA":  # ends with an empty line
             end = re.compile(rb"\n\s*?\n").search(data, cursor.place - 1)
             cursor.place = end.end() if end else len(data)
@@ -106,13 +118,13 @@ def _cells(cursor: _Cursor, count: int, size: int) -> tuple[Integers, Integers]:
     mark = cursor.place
     words = cursor.words()
     if words[:1] == ["OFFSETS"]:
-        starts = np.asarray(cursor.values(count, words[1]))
+        offsets = cursor.integers(count, words[1])
         words = cursor.words()
-        if words[:1] != ["CONNECTIVITY"] or not len(starts):
+        if words[:1] != ["CONNECTIVITY"] or not len(offsets):
             raise Unreadable("its cells have OFFSETS without CONNECTIVITY")
-        return np.asarray(cursor.values(size, words[1])), starts
+        return cursor.integers(size, words[1]), offsets
     cursor.place = mark
-    flat = np.asarray(cursor.values(size, "int")).tolist()
+    flat = cursor.integers(size).tolist()
     corners: list[int] = []
     starts = [0]
     place = 0

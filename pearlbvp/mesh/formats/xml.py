@@ -115,7 +115,9 @@ def _polygons(piece: ElementTree.Element, kind: str, coding: _Coding, count: int
         arrays = {array.get("Name"): array for array in piece.findall(f"{name}/DataArray")}
         corners, ends = (_array(arrays.get(key), coding).astype(np.int64) for key in ("connectivity", "offsets"))
         kinds = np.full(declared, cell) if cell else _array(arrays.get("types"), coding).astype(np.int64)
-        if not len(ends) == len(kinds) == declared or (len(corners) and not 0 <= corners.min() <= corners.max() < count):
+        if not len(ends) == len(kinds) == declared or (
+            len(corners) and not 0 <= corners.min() <= corners.max() < count
+        ):
             raise Unreadable(f"a piece of it declares {declared} {name} on {count} points, and has others")
         found.append(polygons_of(corners, np.concatenate(([0], ends)), kinds))
     return found
@@ -159,7 +161,7 @@ def _decoded(data: bytes, is_raw: bool, coding: _Coding) -> bytes:
         return _bytes(data, width, first, is_raw)
     head = _bytes(data, 0, (3 + first) * width, is_raw)
     _, size, last, *packed = (int(value) for value in np.frombuffer(head, coding.header))
-    sizes = ([size] * first)[:-1] + [last or size] if first else []
+    sizes = [*([size] * (first - 1)), last or size] if first else []
     if sum(sizes) > MOST_BYTES:
         raise ValueError
     whole = _bytes(data[len(head) if is_raw else _coded(len(head)) :], 0, sum(packed), is_raw)
