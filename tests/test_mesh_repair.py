@@ -85,6 +85,31 @@ def test_a_tube_anywhere_cut_anyhow_with_all_that_is_repaired(surface, axis, see
 
 
 @pytest.mark.parametrize("axis", AXES)
+def test_a_turned_tube_is_no_mirror_image(axis):
+    """The helix of the centre line keeps its hand: its wave e^{ikx} is 0.5 one way, and nothing the other."""
+    mesh = known(helix, 300)
+    for polygons in (cut(mesh, ragged=0.2), wrapped(mesh)):
+        tube, _ = read(polygons.moved(AXES[axis], [1.0, 2, 3]))
+        x, y, z = tube.vertices.T
+        k = 2 * np.pi / L
+        line = (y - y.mean()) + 1j * (z - z.mean())
+        one, other = (abs((line * np.exp(sign * 1j * k * x)).mean()) for sign in (-1, 1))
+        assert (one, other) == pytest.approx((0.5, 0.0), abs=1e-3)
+
+
+@pytest.mark.parametrize("digits", [3, 4, 6])
+@pytest.mark.parametrize("axis", ["x", "z", "any"])
+def test_coordinates_of_few_digits_close_their_seam(axis, digits):
+    """Decimals, and significant digits as %g writes them, are both rounded differently at the two ends."""
+    mesh = known(bent, 150)
+    moved = cut(mesh, ragged=0.2, start=0.37).moved(AXES[axis])
+    rounded = np.round(moved.points, digits)
+    is_exact(read(Polygons(rounded, moved.faces)), mesh, 10.0**-digits * 3)
+    significant = np.array([[float(f"{value:.{digits + 1}g}") for value in point] for point in moved.points])
+    is_exact(read(Polygons(significant, moved.faces)), mesh, 10.0**-digits * 30)
+
+
+@pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("surface", [pearl, helix, bent])
 def test_tubes_without_ends_lead_on_into_the_next_period(surface, axis):
     """Along a coordinate the period is exact; along anything else its direction is as smooth as the mesh is."""

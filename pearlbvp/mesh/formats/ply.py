@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -69,11 +70,10 @@ def _runs(strip: list[int]) -> list[list[int]]:
 def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
     """Byte order ("" for text), elements, and what follows."""
     data = data.removeprefix(b"\xef\xbb\xbf")
-    end = data.find(b"end_header")
-    if not data.startswith(b"ply") or end < 0:
+    match = re.search(rb"[\r\n][ \t]*end_header[ \t]*(\r\n|\r|\n|$)", data)
+    if not data.startswith(b"ply") or match is None:
         raise Unreadable("its header does not begin with ply, or does not end")
-    body = data[end + len("end_header") :].lstrip(b" \t")
-    body = body[2:] if body[:2] == b"\r\n" else body[1:]
+    end, body = match.start(), data[match.end() :]
     order, elements = None, []
     for line in text_of(data[:end]).split("\n")[1:]:
         words = line.split()
