@@ -10,6 +10,7 @@ from tubes import (
     bent,
     capped,
     cut,
+    ends,
     grid,
     helix,
     known,
@@ -223,6 +224,17 @@ def beside(polygons, other):
     return Polygons(np.vstack((polygons.points, other.points)), polygons.faces + more)
 
 
+def with_rings_inside(polygons):
+    """At both ends a flat ring inwards, whose inner rims are a period apart: the rings lie twice at the same place."""
+    points, faces = polygons.points, list(polygons.faces)
+    for loop in ends(polygons):
+        inner = list(range(len(points), len(points) + len(loop)))
+        points = np.vstack((points, (points[loop] + points[loop].mean(axis=0)) / 2))
+        for a, b, c, d in zip(loop, np.roll(loop, -1).tolist(), np.roll(inner, -1).tolist(), inner, strict=True):
+            faces += [[a, b, c], [a, c, d]]
+    return Polygons(points, faces)
+
+
 def with_fin(polygons):
     a, b, _ = polygons.faces[50]
     return Polygons(np.vstack((polygons.points, [[5.0, 3, 3]])), [*polygons.faces, [a, b, len(polygons.points)]])
@@ -252,6 +264,7 @@ PEARL = cut(known(pearl, 150))
         (sphere(), L, "length: the surface is closed, of extent"),
         (torus(), L, "length: the surface is closed, of extent"),
         (torus(), 6.0, "length: the surface is closed, of extent"),
+        (with_rings_inside(PEARL), L, "lie at the same place, but for whole periods"),
         (with_fin(PEARL), L, "triangles: 3 meet at the edge from vertex"),
         (Polygons(np.where(PEARL.points[:, :1] > 9.9, PEARL.points * [1, 1.1, 1], PEARL.points), PEARL.faces), L, "length: no two points .* its two ends do not match"),
         (moebius(cut(known(helix, 150))), L, "one side only"),

@@ -147,7 +147,7 @@ def _twice(points: Array, rims: dict[int, Integers], step: Array, near: float) -
         name
         for i, others in enumerate(pairs)
         for j in others
-        if i != j and translation(points[rims[names[i]]], points[rims[names[j]]], near) is not None
+        if translation(points[rims[names[i]]], points[rims[names[j]]], near) is not None
         for name in (names[i], names[j])
     ]
 
