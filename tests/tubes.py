@@ -32,8 +32,9 @@ def bent(x, phi):
 
 def known(surface=helix, nodes=220, jitter=0.0):
     """A mesh whose area and volume are exact for its flat triangles."""
-    mesh = tube_mesh(L, nodes, surface)
-    return jittered(mesh, jitter) if jitter else mesh
+    if jitter:
+        return jittered(tube_mesh(L, nodes), jitter, surface=surface)
+    return tube_mesh(L, nodes, surface)
 
 
 @dataclass(frozen=True)

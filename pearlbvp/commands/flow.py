@@ -356,13 +356,15 @@ def _of_a_file(
     """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
     from dataclasses import replace
 
+    from tqdm import tqdm
+
     from pearlbvp.mesh.files import check_radius, read_tube
     from pearlbvp.studies.flow_start import surface_start
 
     found, said = read_tube(path, length * radius)
     check_radius(found, radius)
     if said:
-        print(f"pearlbvp: {said}", file=sys.stderr)
+        tqdm.write(f"pearlbvp: {said}", file=sys.stderr)  # beside a progress bar
     found = replace(found, vertices=found.vertices / radius, length=length)
     return surface_start(c0, found, kind=kind, law=law, pressure=pressure)
 
