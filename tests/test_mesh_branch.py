@@ -16,7 +16,7 @@ from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.amplitudes import amplitudes
 from pearlbvp.mesh.families import divisions, jittered, tube_mesh
 from pearlbvp.mesh.files import joined, read_mesh, write_mesh
-from pearlbvp.mesh.problem import about
+from pearlbvp.mesh.problem import MeshProblem, about
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.spectrum import MeshBlock
 from pearlbvp.mesh.start import onset, solved, straight
@@ -426,3 +426,32 @@ def test_phases_are_those_that_move_the_surface():
     ):
         mesh = tube_mesh(L, 600, lambda x, phi, wave=wave: surface(x, phi, wave))
         assert len(about(mesh, 0.0, np.array([0.0, 0.25, 1.0]))[0].phases) == count
+
+
+@pytest.mark.parametrize("kind", ["subdivision", "cotangent"])
+@pytest.mark.parametrize("where", ["between its branch points", "at one"])
+def test_a_straight_tube_is_remeshed_without_a_search_for_an_equilibrium_of_the_same_volume(kind, where, monkeypatch):
+    """All straight tubes have v = 1: the matrix is singular there. The new mesh is on the cylinder, and its equilibrium near."""
+    mesh = tube_mesh(L, 200)
+    problem, u = (
+        straight(mesh, 0.0, -1.0, kind) if "between" in where else onset(Tube(0.0, L), "pearl", 1, 0, mesh, kind)[:2]
+    )
+    options = AdaptOptions(area=float(mesh.areas.mean()), largest=0.5)
+    solves = []
+    monkeypatch.setattr(MeshProblem, "solve", lambda *arguments: solves.append(arguments))
+    finer, (moved,) = replace(problem, adapt=options).remesh(u)
+    monkeypatch.undo()
+    assert (len(solves), finer.mesh.count > mesh.count) == (0, True)
+    radii = np.hypot(*finer.points(moved)[:, 1:].T)
+    assert np.ptp(radii) < 5e-3
+    assert radii.mean() == pytest.approx(1, abs=0.02)
+    if kind == "subdivision" and "between" in where:
+        assert np.abs(solved(finer, moved, "lambda2")[: finer.mesh.count]).max() < 0.01
+
+
+def test_bent_tubes_are_corrected_on_a_new_mesh(mesh_coil):
+    """The same remeshing of a coil does solve: its volume tells it from its neighbours."""
+    entry = mesh_coil.points[-1].point
+    eager = replace(entry.problem, adapt=AdaptOptions(area=float(entry.problem.mesh.areas.mean()), largest=0.5))
+    finer, (moved,) = eager.remesh(entry.u)
+    assert np.abs(finer.residual(moved)).max() < 1e-8

@@ -8,7 +8,7 @@ import pytest
 
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.families import tube_mesh
-from pearlbvp.mesh.files import joined, read_mesh, write_mesh
+from pearlbvp.mesh.files import joined, read_mesh, read_tube, write_mesh
 
 L = 10.0
 
@@ -58,25 +58,25 @@ def test_a_period_at_which_nothing_repeats_is_named_beside_the_file_s_extent(fil
     assert f"{length:g} apart along x, which runs from 0 to 10" in message(file(".ply"), length)
 
 
-def test_a_tube_along_z_is_told_to_lie_along_x(file):
+def test_a_tube_along_z_is_turned_to_x(file):
     def turn(points, _):
         points[:] = points[:, [1, 2, 0]]
 
-    text = message(file(".ply", turn))
-    assert "axis along x" in text
-    assert "runs from -1.48746 to 1.5" in text
+    read, said = read_tube(file(".ply", turn), L)
+    assert said == "tube.ply: turned the axis from z to x"
+    np.testing.assert_allclose(read.vertices, read_mesh(file(".ply"), L).vertices, atol=1e-12)
 
 
 @pytest.mark.parametrize(("ending", "first"), [(".vtu", 0), (".ply", 0), (".obj", 1)])
 def test_messages_number_as_the_file_does(file, ending, first):
-    """A triangle turned round: the edge that is named is one of its own in the file, read here by its text or by meshio."""
+    """A hole: the edge that is named is one of the missing triangle's, read here by its text or by meshio."""
 
-    def turn(points, triangles):
-        turned.extend(triangles[77])
-        triangles[77] = triangles[77, ::-1]
+    def remove(_, triangles):
+        missing.extend(triangles[77])
+        triangles[77] = triangles[77, 0]
 
-    turned = []
-    path = file(ending, turn)
+    missing = []
+    path = file(ending, remove)
     tail, head, triangle = map(
         int, re.search(r"edge from vertex (\d+) to (\d+) \(triangle (\d+)\)", message(path)).groups()
     )
@@ -89,7 +89,7 @@ def test_messages_number_as_the_file_does(file, ending, first):
         faces = meshio.read(path).cells[0].data
     corners = list(faces[triangle - first])
     assert corners[(corners.index(tail) + 1) % 3] == head
-    assert {tail - first, head - first} <= set(turned)
+    assert {tail - first, head - first} <= set(missing)
     assert f"from {first} on" in message(path)
 
 

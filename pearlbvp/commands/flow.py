@@ -54,8 +54,9 @@ if TYPE_CHECKING:
 @click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
 @click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv",
               help="Start from radii instead: columns x and r of one period, with --c0 and --length.")  # fmt: skip
-@click.option("--mesh", type=click.Path(path_type=Path), metavar="FILE.vtu|.ply|.obj",
-              help="Start from a triangulated tube instead, one period, with --c0 and --length.")  # fmt: skip
+@click.option("--mesh", type=click.Path(path_type=Path), metavar="FILE",
+              help="Start from a triangulated tube instead, one period, with --c0 and --length: VTU, VTP, VTK, PLY, OBJ, STL, "
+              "OFF or MSH, repaired where needed.")  # fmt: skip
 @click.option(
     "--pressure", type=Number(), default=0.0, show_default=True, help="With --profile or --mesh, --law area: lambda2."
 )
@@ -359,10 +360,15 @@ def _of_a_file(
     path: Path, units: Units, c0: float, length: float, kind: Any, law: Any, pressure: float
 ) -> tuple[Any, Any]:
     """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
-    from pearlbvp.mesh.files import read_mesh
+    from tqdm import tqdm
+
+    from pearlbvp.mesh.files import check_radius, read_tube
     from pearlbvp.studies.flow_start import surface_start
 
-    found = read_mesh(path, units.to_user("length", length))
+    found, said = read_tube(path, units.to_user("length", length))
+    check_radius(found, units.radius)
+    if said:
+        tqdm.write(f"pearlbvp: {said}", file=sys.stderr)  # beside a progress bar
     return surface_start(c0, units.surface_from_user(found), kind=kind, law=law, pressure=pressure)
 
 

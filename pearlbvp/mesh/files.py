@@ -1,33 +1,42 @@
-"""Meshes in files of other programs, through meshio: VTU, PLY, OBJ. One period, cut open where it begins again."""
+"""Meshes in files of other programs: one period of a tube, in many formats, repaired where that is no guess."""
 
 from __future__ import annotations
 
+import math
 import os
-import struct
-import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from xml.etree.ElementTree import ParseError
 
 import meshio
 import numpy as np
-from scipy.spatial import cKDTree
 
 from pearlbvp.errors import InputError
-from pearlbvp.files import readable, writable, write_whole
+from pearlbvp.files import read_whole, writable, write_whole
 from pearlbvp.helfrich import positive
-from pearlbvp.mesh.periodic import Array, Integers, MeshError, PeriodicMesh
-
-BROKEN = (
-    meshio.ReadError, ParseError, OSError, EOFError, ValueError, LookupError, TypeError, AttributeError, AssertionError,
-    ArithmeticError, struct.error, zlib.error,
-)  # fmt: skip
-"""What the readers of meshio meet in a broken file; their words speak of their own inside."""
+from pearlbvp.mesh.formats.msh import read_msh
+from pearlbvp.mesh.formats.obj import read_obj
+from pearlbvp.mesh.formats.plain import read_off, read_stl
+from pearlbvp.mesh.formats.ply import read_ply
+from pearlbvp.mesh.formats.soup import Soup, Unreadable
+from pearlbvp.mesh.formats.vtk import read_vtk
+from pearlbvp.mesh.formats.xml import read_xml
+from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
+from pearlbvp.mesh.tube import tube_of
 
 FORMATS = {".vtu": "vtu", ".ply": "ply", ".obj": "obj"}
+"""Endings of the formats that are written."""
 
-SAME = 1e-5
-"""Distance, in mean edges, at which two points a period apart are one: formats differ in their digits."""
+READERS: dict[str, Callable[[bytes], Soup]] = {
+    ".vtu": read_xml, ".vtp": read_xml, ".vtk": read_vtk, ".ply": read_ply, ".obj": read_obj, ".stl": read_stl,
+    ".off": read_off, ".coff": read_off, ".noff": read_off, ".msh": read_msh,
+}  # fmt: skip
+"""Those that are read."""
+
+FAR = 2.0
+"""Factor between a tube's radius and the unit beyond which one of them is a mistake: forgotten units differ by ten or more."""
+
+MOST_BYTES = 1 << 28
+"""Of a file that is read: a quarter of a gigabyte, a hundred times what flows can use."""
 
 
 def _format(name: str, path: Path) -> str:
@@ -79,37 +88,58 @@ def write_mesh(mesh: PeriodicMesh, path: str | os.PathLike[str], data: Mapping[s
 
 
 def read_mesh(path: str | os.PathLike[str], length: float) -> PeriodicMesh:
-    """Read one period of a tube that is cut open, whatever the cut; points a period apart are one vertex.
+    """Read one period of a tube, as any program writes it; what was repaired is not said: see ``read_tube``.
 
     Args:
-        path: a VTU, PLY or OBJ file.
+        path: a VTU, VTP, VTK, PLY, OBJ, STL, OFF or MSH file.
         length: the period.
 
     Raises:
-        InputError: no such file, or it is no triangulated tube of that period; the message names the first element as
-            the file numbers it.
+        InputError: no such file, or it is no tube of that period; the message names the first element as the file
+            numbers it.
     """
+    return read_tube(path, length)[0]
+
+
+def read_tube(path: str | os.PathLike[str], length: float) -> tuple[PeriodicMesh, str]:
+    """As ``read_mesh``, and what was repaired in words, empty where nothing was."""
     path, length = Path(path), positive("length", length)
-    kind = _format("mesh", path)
-    readable("mesh", path)
-    if kind == "ply" and b"end_header" not in path.read_bytes()[:100_000]:  # meshio would look for it for ever
-        raise InputError(f"mesh: {path} cannot be read as PLY (its header does not end); export it again")
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise InputError(f"mesh: {path.name} has none of the endings {', '.join(READERS)}; choose one of these formats")
+    data = read_whole("mesh", path, MOST_BYTES)
     try:
-        found = meshio._helpers.reader_map[kind](str(path))  # meshio.read() ends the program where a file is broken
-    except BROKEN:
+        with np.errstate(invalid="ignore"):  # bytes that are no numbers are named as such later on
+            soup = reader(data)
+    except Unreadable as error:
         raise InputError(
-            f"mesh: {path} cannot be read as {kind.upper()}: it is broken or cut off; export it again"
+            f"mesh: {path} cannot be read as {path.suffix[1:].upper()} ({error}); export it again"
         ) from None
-    blocks = [np.asarray(block.data) for block in found.cells if block.type == "triangle"]
-    others = sorted({block.type for block in found.cells} - {"triangle", "vertex", "line"})
-    if others or not blocks:
-        raise InputError(f"mesh: {path} has {', '.join(others) or 'no faces'}; give one of triangles only")
-    first = 1 if kind == "obj" else 0
-    return joined(np.asarray(found.points, dtype=float), np.concatenate(blocks).astype(np.int64), length, first)
+    except (ValueError, LookupError, OverflowError):  # of words that are no numbers, or numbers beyond all use
+        raise InputError(
+            f"mesh: {path} cannot be read as {path.suffix[1:].upper()} (it is broken or cut off); export it again"
+        ) from None
+    mesh, said = tube_of(soup, length)
+    return mesh, f"{path.name}: {', '.join(said)}" if said else ""
+
+
+def check_radius(mesh: PeriodicMesh, radius: float) -> None:
+    """Refuse a tube whose radius is another than that in which all else is measured.
+
+    Args:
+        mesh: in the unit of ``radius``.
+        radius: of the straight tube of the same area and period, but for a factor.
+
+    Raises:
+        InputError: they differ by more than a factor of two.
+    """
+    found = mesh.area / (2 * math.pi * mesh.length)
+    if not 1 / FAR < found / radius < FAR:
+        raise InputError(f"radius: the tube's radius is about {found:.2g}; give --radius {found:.2g}")
 
 
 def joined(points: Array, triangles: Integers, length: float, first: int = 0) -> PeriodicMesh:
-    """A cut tube as a periodic mesh: points a period apart become one vertex.
+    """Triangles on points as a periodic mesh, repaired as those of files are.
 
     Args:
         points, triangles: shapes (P, 3) and (T, 3).
@@ -119,50 +149,8 @@ def joined(points: Array, triangles: Integers, length: float, first: int = 0) ->
     Raises:
         InputError: the result is no tube.
     """
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise InputError(f"vertices: points of shape {points.shape} are not (P, 3); give x, y, z of each")
-    if (triangles < 0).any() or (triangles >= len(points)).any():
-        last = len(points) - 1 + first
-        raise InputError(
-            f"triangles: a corner is none of the {len(points)} vertices; number them from {first} to {last}"
-        )
-    used = np.unique(triangles)
-    wrong = used[~np.isfinite(points[used]).all(axis=1)]
-    if len(wrong):
-        raise InputError(
-            f"vertices: vertex {wrong[0] + first} (of the file, from {first} on) at {points[wrong[0]]} is not finite; "
-            "give ordinary numbers"
-        )
-    vertex, wrap, kept = _merged(points, triangles, used, length)
-    low, high = points[used, 0].min(), points[used, 0].max()
-    if not wrap.any():
-        raise InputError(
-            f"length: no two points of the file lie {length:g} apart along x, which runs from {low:.6g} to {high:.6g}; "
-            "give the tube's period, its axis along x"
-        )
     try:
-        return PeriodicMesh(points[kept], vertex[triangles], wrap[triangles], length)
-    except MeshError as error:
-        if (periods := round((high - low) / length)) > 1:  # then triangles that lie a period apart have become one
-            raise InputError(
-                f"length: the file runs from x = {low:.6g} to {high:.6g}, {periods} periods of {length:g}; "
-                "give the period of the whole, or a file of one period"
-            ) from None
-        raise error.renumbered(triangles, first) from None
-
-
-def _merged(points: Array, triangles: Integers, used: Integers, length: float) -> tuple[Integers, Integers, Integers]:
-    """Number and period of each point as a vertex, and the points that vertices are taken from."""
-    edges = points[triangles] - points[np.roll(triangles, -1, axis=1)]
-    near = SAME * float(np.linalg.norm(edges, axis=2).mean())
-    angle = 2 * np.pi * points[used, 0] / length
-    circle = length / (2 * np.pi)
-    places = np.column_stack((circle * np.cos(angle), circle * np.sin(angle), points[used, 1:]))
-    first = np.arange(len(points))
-    for i, j in sorted(cKDTree(places).query_pairs(near)):
-        first[used[j]] = min(first[used[j]], first[used[i]])
-    kept, number = np.unique(first[used], return_inverse=True)
-    vertex, wrap = np.zeros(len(points), dtype=np.int64), np.zeros(len(points), dtype=np.int64)
-    vertex[used] = number
-    wrap[used] = np.round((points[used, 0] - points[first[used], 0]) / length).astype(np.int64)
-    return vertex, wrap, kept
+        soup = Soup.of(points, np.asarray(triangles).tolist(), first)
+    except Unreadable as error:
+        raise InputError(f"triangles: {error}; give triangles of vertices") from None
+    return tube_of(soup, length)[0]

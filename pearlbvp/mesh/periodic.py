@@ -35,20 +35,26 @@ class MeshError(InputError):
     corners: tuple[int, ...] = ()
 
     @classmethod
-    def at(cls, template: str, triangles: Integers, *corners: int, first: int = 0) -> MeshError:
-        """The error with the numbers of ``triangles``, shape (T, 3), whose counting begins with ``first``."""
+    def at(
+        cls, template: str, triangles: Integers, *corners: int, first: int = 0, faces: Integers | None = None
+    ) -> MeshError:
+        """The error with the numbers of ``triangles``, shape (T, 3), whose counting begins with ``first``.
+
+        ``faces`` are the numbers of the triangles themselves, by default their places.
+        """
         corners = tuple(int(corner) for corner in corners)
         numbers = triangles.ravel()[list(corners)] + first
-        error = cls(template.format(*numbers, triangle=corners[0] // 3 + first))
+        triangle = corners[0] // 3 if faces is None else faces[corners[0] // 3]
+        error = cls(template.format(*numbers, triangle=triangle + first))
         error.template, error.corners = template, corners
         return error
 
-    def renumbered(self, triangles: Integers, first: int = 0) -> MeshError:
+    def renumbered(self, triangles: Integers, first: int = 0, faces: Integers | None = None) -> MeshError:
         """The same with other numbers of the same triangles' corners; says where they begin."""
         if not self.corners:
             return self
         template = f"{self.template} (numbers are the file's, from {first} on)"
-        return MeshError.at(template, triangles, *self.corners, first=first)
+        return MeshError.at(template, triangles, *self.corners, first=first, faces=faces)
 
 
 @dataclass(frozen=True)

@@ -49,6 +49,9 @@ RATES = 6
 NEUTRAL_TOGETHER = 1e-4
 """Growth rates at a branch point that vanish together, up to how well it was located and its symmetry is kept."""
 
+STRAIGHT = 1e-3
+"""Differences of radii below which a surface is a straight tube, where equilibria of the same ``v`` are not isolated."""
+
 
 @dataclass(frozen=True)
 class MeshProblem:
@@ -228,13 +231,19 @@ class MeshProblem:
             vectors.append(np.concatenate((along, np.zeros(len(problem.phases)), vector[-3:])))
         if self.orbits is not None:
             problem = problem.symmetric(*vectors)
-        same_volume = np.zeros_like(moved)
-        same_volume[-1] = 1.0
-        settled, _ = correct(problem, moved, same_volume, moved, 0.0, NewtonOptions(max_iterations=20, damping=4))
-        # Along the branch, the new mesh's error would move the point; so it does only where v turns.
-        if settled.converged:
-            vectors[0] = settled.u
+        if not self._is_straight(u):  # there v does not tell one solution from the next: all straight tubes have v = 1
+            same_volume = np.zeros_like(moved)
+            same_volume[-1] = 1.0
+            settled, _ = correct(problem, moved, same_volume, moved, 0.0, NewtonOptions(max_iterations=20, damping=4))
+            # Along the branch, the new mesh's error would move the point; so it does only where v turns.
+            if settled.converged:
+                vectors[0] = settled.u
         return problem, vectors
+
+    def _is_straight(self, u: Array) -> bool:
+        """Whether the surface is a straight tube, to the mesh's error."""
+        y, z = self.points(u)[:, 1:].T
+        return float(np.ptp(np.hypot(y - y.mean(), z - z.mean()))) < STRAIGHT
 
     def respread(self, u: Array, fields: Sequence[Array]) -> tuple[PeriodicMesh, list[Array], AdaptOptions] | None:
         """The surface at ``u`` as the next reference, on an adapted mesh where this one no longer fits; else None.

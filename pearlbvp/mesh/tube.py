@@ -1,0 +1,176 @@
+"""Polygons of a file as one period of a tube: without caps, axis along ``x``, seam closed, oriented outwards, checked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from pearlbvp.errors import InputError
+from pearlbvp.mesh.caps import Mask, caps, edges_of, loops_of
+from pearlbvp.mesh.formats.soup import Soup
+from pearlbvp.mesh.periodic import Array, Integers, MeshError, PeriodicMesh
+from pearlbvp.mesh.repair import SAME, Surface, counted, repaired
+from pearlbvp.mesh.seam import SEAM, Seam, named, of_ends, of_wrapped, overlap, turned
+
+UNLIKE = 1e-4
+"""Relative difference of area or volume between the mesh and the file's own triangles that is none."""
+
+WORTH_SAYING = 1e-4
+"""Distance, in mean edges, between points that became one from which on that is said."""
+
+
+def tube_of(soup: Soup, length: float) -> tuple[PeriodicMesh, tuple[str, ...]]:
+    """The tube, and what was repaired.
+
+    Args:
+        soup: polygons of a file.
+        length: the period.
+
+    Raises:
+        InputError: they are no tube of that period; elements have the file's numbers.
+    """
+    surface = repaired(soup)
+    _check_edges(surface)
+    surface, seam = _seam(surface, length)
+    triangles = seam.vertex[surface.triangles]
+    points = turned(surface.points, seam.axis)
+    order, flipped = _oriented(surface, triangles, seam.wraps)
+    if _volume(points[triangles] + length * seam.wraps[..., None] * np.eye(3)[0], order) < 0:
+        order, flipped = order[:, ::-1], ~flipped
+    surface = replace(surface, corners=np.take_along_axis(surface.corners, order, axis=1))
+    triangles, wraps = (np.take_along_axis(array, order, axis=1) for array in (triangles, seam.wraps))
+    kept, number = np.unique(triangles, return_inverse=True)
+    try:
+        mesh = PeriodicMesh(points[kept], number.reshape(-1, 3), wraps, length)
+    except MeshError as error:
+        raise error.renumbered(surface.corners, surface.first, surface.faces) from None
+    if (twice := overlap(mesh.vertices, length, SAME * float(np.median(mesh.edge_lengths)))) is not None:
+        raise InputError(
+            "vertices: vertex {} and vertex {} (of the file, from {} on) lie at the same place, but for whole periods; give "
+            "one period, whose ends do not overlap and are open or flat".format(
+                *kept[twice] + surface.first, surface.first
+            )
+        )
+    _compare(mesh, surface, seam)
+    faces = len(np.unique(surface.faces[flipped]))
+    away = seam.apart > WORTH_SAYING * float(mesh.edge_lengths.mean())
+    surface = surface.saying(
+        "" if not faces else "turned all faces outwards" if flipped.all() else f"turned {counted(faces, 'face')} round",
+        f"closed a seam whose ends differ by {seam.apart:.2g}" if away else "",
+        f"turned the axis from {named(seam.axis)} to x" if seam.axis[0] != 1 else "",
+    )
+    return mesh, surface.said
+
+
+def _check_edges(surface: Surface) -> None:
+    """Refuse edges at which more than two triangles meet.
+
+    Raises:
+        InputError: the first of them.
+    """
+    _, edge, count = edges_of(surface.triangles)
+    if (wrong := np.flatnonzero(count[edge.ravel()] > 2)).size:
+        raise _manifold(surface, int(wrong[0]), int(count[edge.ravel()[wrong[0]]]))
+
+
+def _manifold(surface: Surface, half_edge: int, count: int) -> MeshError:
+    return surface.error(
+        f"triangles: {count} meet at the edge from vertex {{0}} to {{1}} (triangle {{triangle}}); leave two of them",
+        half_edge,
+        half_edge + 1 if half_edge % 3 < 2 else half_edge - 2,
+    )
+
+
+def _seam(surface: Surface, length: float) -> tuple[Surface, Seam]:
+    """The surface without caps, and its seam."""
+    edges, _, count = edges_of(surface.triangles)
+    rim = edges[count == 1]
+    if len(rim) == 0 or len(loops_of(rim)) == 1:
+        near = SEAM * float(np.linalg.norm(np.diff(surface.points[edges], axis=1), axis=2).min())
+        found = caps(surface.points, surface.triangles, surface.faces, length, near)
+        if found is not None:
+            faces = len(np.unique(surface.faces[found]))
+            surface = surface.only(~found).saying(
+                f"removed {'caps' if len(rim) == 0 else 'a cap'} of {counted(faces, 'face')}"
+            )
+        elif len(rim) == 0:
+            seam = of_wrapped(surface.points, surface.triangles, length)
+            if seam is None:
+                raise InputError(_closed(surface, length))
+            return surface.saying(seam.said), seam
+    return surface, of_ends(surface.points, surface.triangles, length)
+
+
+def _closed(surface: Surface, length: float) -> str:
+    points = surface.points[np.unique(surface.triangles)]
+    extent = " x ".join(f"{size:.4g}" for size in np.ptp(points, axis=0))
+    return (
+        f"length: the surface is closed, of extent {extent}, and neither has two flat ends {length:g} apart nor leads from its "
+        "end to its beginning after that period; give the period of a tube, open or with flat caps"
+    )
+
+
+def _oriented(surface: Surface, triangles: Integers, wraps: Integers) -> tuple[Integers, Mask]:
+    """Order of each triangle's corners in which all are oriented alike, shape (T, 3), and which ones it turns.
+
+    Each triangle has two nodes in a graph, one for each orientation, joined where they fit along an edge: a surface that can
+    be oriented is two components of it.
+    """
+    heads, shifts = np.roll(triangles, -1, axis=1), np.roll(wraps, -1, axis=1) - wraps
+    keys = np.stack((triangles, heads, shifts), axis=2).reshape(-1, 3)
+    back = (keys[:, 0] > keys[:, 1]) | ((keys[:, 0] == keys[:, 1]) & (keys[:, 2] < 0))
+    keys[back] = keys[back][:, [1, 0, 2]] * [1, 1, -1]
+    _, edge, count = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
+    edge = edge.ravel()
+    if (wrong := np.flatnonzero(count[edge] > 2)).size:
+        raise _manifold(surface, int(wrong[0]), int(count[edge[wrong[0]]]))
+    order = np.argsort(edge, kind="stable")
+    first = (np.cumsum(count) - count)[count == 2]
+    one, other = order[first], order[first + 1]
+    alike = back[one] == back[other]  # both run along the edge the same way: one has to be turned
+    total = len(triangles)
+    a, b = one // 3, other // 3
+    rows = np.concatenate((a, a + total))
+    columns = np.concatenate((np.where(alike, b + total, b), np.where(alike, b, b + total)))
+    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * total,) * 2)
+    label = connected_components(graph, directed=False)[1].reshape(2, total)
+    if (label[0] == label[1]).any():
+        raise InputError("triangles: they cannot all be oriented alike, as the surface has one side only; give a tube")
+    flipped = label[0] > label[1]
+    if 2 * flipped.sum() > total:
+        flipped = ~flipped
+    return np.where(flipped[:, None], [0, 2, 1], [0, 1, 2]), flipped
+
+
+def _volume(corners: Array, order: Integers) -> float:
+    corners = np.take_along_axis(corners, order[..., None], axis=1)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return float((corners.mean(axis=1)[:, 1:] * normals[:, 1:]).sum() / 4)
+
+
+def _compare(mesh: PeriodicMesh, surface: Surface, seam: Seam) -> None:
+    """Compare area and volume with those of the file's own triangles, where they lie in the file.
+
+    Area by Heron's formula from the lengths of edges, volume by the divergence theorem about the file's own axis.
+
+    Raises:
+        InputError: they differ: the file was not understood.
+    """
+    corners = surface.points[surface.corners]
+    edges = np.roll(corners, -1, axis=1) - corners
+    periods = np.round(edges @ seam.axis / mesh.length)  # of triangles that lead on into the next period
+    edges = edges - mesh.length * periods[..., None] * seam.axis
+    a, b, c = np.sort(np.linalg.norm(edges, axis=2), axis=1).T[::-1]
+    products = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
+    area = float(np.sqrt(np.maximum(products, 0)).sum() / 4)
+    across = corners - (corners @ seam.axis)[..., None] * seam.axis
+    volume = float((across.mean(axis=1) * np.cross(edges[:, 0], edges[:, 1])).sum() / 4)
+    for name, found, own in (("area", mesh.area, area), ("volume", mesh.volume, volume)):
+        if not abs(found - own) <= UNLIKE * abs(own):
+            raise InputError(
+                f"mesh: the tube that was read has the {name} {found:.8g}, its file's triangles have {own:.8g}; "
+                "write it as triangles, cut open at its period"
+            )
