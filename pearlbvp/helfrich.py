@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 # rates are those of the flow with velocity -dF, of dimension length^-3.
 LENGTH_POWER = {
     "c0": -1, "period": 1, "L": 1, "k": -1, "lambda1": -2, "lambda2": -3, "lambda2_pearl": -3, "lambda2_upper": -3,
-    "E": -2, "E_least_energy": -2, "amplitude": 1, "r_min": 1, "r_max": 1,
+    "E": -2, "E_least_energy": -2, "amplitude": 1, "wave": 1, "r_min": 1, "r_max": 1,
     "area": 2, "volume": 3, "mu_crit": -4, "mu_error": -4,
 }  # fmt: skip
 

@@ -57,6 +57,15 @@ class PiecewisePolynomial:
         result: Array = by_t @ self.local()
         return result
 
+    @property
+    def weights(self) -> Array:
+        """Of the values in the integral over the whole mesh, shape (N*m + 1,)."""
+        pieces = np.outer(np.diff(self.mesh), integration_matrix(self.scheme.points)[-1])
+        found = np.zeros(len(self.values))
+        found[:-1] = pieces[:, :-1].ravel()
+        found[self.scheme.m :: self.scheme.m] += pieces[:, -1]
+        return found
+
     def integral(self) -> Array:
         """Integral from the left end to each of the points, shape (N*m + 1, n)."""
         h = np.diff(self.mesh)[:, None, None]

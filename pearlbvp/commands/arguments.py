@@ -70,18 +70,24 @@ def check_meshable(length: float) -> None:
 
 
 class Until(click.ParamType):
-    """``NAME=VALUE``."""
+    """``NAME=VALUE``, or a special point: ``bp``, ``bp:2``, ``fold:v``, ``fold:v:2``, ``cmc``."""
 
-    name = "name=value"
+    name = "name=value|kind[:k]"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
-        """Split and parse the text."""
+        """Split and parse the text: column and value, or kind and number, 1 where none is given."""
         from pearlbvp.helfrich import finite
 
         name, equals, number = str(value).partition("=")
-        if not equals:
-            raise InputError(f"--until: {value!r} must be NAME=VALUE, like v=1.1")
-        return name.strip(), finite("--until", number)  # type: ignore[arg-type]
+        if equals:
+            return name.strip(), finite("--until", number)  # type: ignore[arg-type]
+        kind, _, last = name.strip().rpartition(":")
+        kind, count = (kind, int(last)) if kind and last.isdigit() else (name.strip(), 1)
+        if kind.partition(":")[0] not in ("bp", "cmc", "fold"):
+            raise InputError(
+                f"--until: {value!r} must be NAME=VALUE, like v=1.1, or a special point, like bp, bp:2, fold:v or cmc"
+            )
+        return kind, count
 
 
 class SpecialKind(click.ParamType):

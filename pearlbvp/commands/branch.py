@@ -64,7 +64,13 @@ if TYPE_CHECKING:
     show_default=True,
     help="With --shape: periods on the tube that stability is judged on; L is that of one.",
 )
-@click.option("--until", type=Until(), multiple=True, help="Stop exactly there; the first reached counts.")
+@click.option(
+    "--until",
+    type=Until(),
+    multiple=True,
+    help="Stop exactly there: v=1.1, or the K-th special point from the start on: bp, bp:2, fold:v, fold:v:2, cmc. May be "
+    "given several times; the first reached counts.",
+)
 @click.option(
     "--max-points", type=click.IntRange(min=2), default=200, show_default=True, help="End after so many more."
 )
@@ -167,9 +173,12 @@ def branch(
         raise InputError("--c0, --length: give both, or --resume a saved branch")
     if resume is not None and (c0 is not None or length is not None):
         raise InputError("--resume: the saved branch has its own c0 and length; leave --c0 and --length out")
-    fixed_here = [name for name, _ in until if name in ("c0", "L")]
+    if len(dict(until)) < len(until):
+        twice = next(name for i, (name, _) in enumerate(until) if name in dict(until[:i]))
+        raise InputError(f"--until: {twice} is given twice; give it once")
+    fixed_here = [name for name, _ in until if name.removeprefix("fold:") in ("c0", "L")]
     if resume is None and fixed_here:
-        raise InputError(f"--until: {fixed_here[0]} does not vary on this branch; save it, and --vary it from there")
+        raise InputError(f"--until: {fixed_here[0].removeprefix('fold:')} does not vary on this branch; save it, and --vary it from there")
     given = given_options(click.get_current_context())
     if nodes is not None:
         unused = sorted(given & NOT_OF_MESHES)

@@ -168,6 +168,10 @@ class CurveOnSurface:
         fixed[fixed.size - place] = 1.0
         return replace(self, base=base, fixed=fixed, reference=tangent), [u, *others_moved]
 
+    def wave(self, u: Array) -> float:
+        """That of the base."""
+        return float(self.base.wave(u))
+
     @property
     def own_block(self) -> Hashable:
         """That of the base."""

@@ -40,10 +40,7 @@ def surface_of(point: Any) -> Surface | PeriodicMesh:
     if problem.stored_as == "tube":
         problem, u = problem.released(u, "lambda1", "lambda2", "v")  # whatever varies, at the shape's own length
         x = np.linspace(0, problem.length, max(2, round(6 * problem.length)) + 1)
-        # Piece by piece, for the memory of all modes at all points.
-        pieces = [problem.surface(u, part, 64) for part in np.array_split(x, max(1, len(x) // 10))]
-        x, y, z = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
-        return x, y, z
+        return problem.surface(u, x, 64)
     profile = problem.profile(point.u)
     if hasattr(profile, "curve"):  # a ring: the same section everywhere
         x, y, z = profile.surface(problem.length, along=round(4 * problem.length) + 1, around=97)

@@ -30,6 +30,7 @@ from pearlbvp.mesh.adaptation import (
     satisfied,
     spread_out,
 )
+from pearlbvp.mesh.amplitudes import largest_wave
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
@@ -163,6 +164,10 @@ class MeshProblem:
             "lambda1": float(u[-3]), "lambda2": float(u[-2]), "v": float(u[-1]), "E": float(energy / area),
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,
         }  # fmt: skip
+
+    def wave(self, u: Array) -> float:
+        """``2 A`` of the largest wave (``projection``)."""
+        return largest_wave(self.functional, self.vertices(u))
 
     @property
     def own_block(self) -> MeshBlock:

@@ -197,6 +197,12 @@ class PearlProblem:
         return free.index(name) - len(free)
 
     def wave(self, u: Array) -> float:
+        """``2 A`` of the largest wave (``projection``): of equal pearls the first, of a localized one what it is made of."""
+        profile = self.profile(u)
+        waves = max(16, math.ceil(3 * profile.period / (2 * math.pi)))
+        return profile.projection().wave(2 * math.pi / profile.period, (waves, 0))
+
+    def straightness(self, u: Array) -> float:
         """Difference of the radii at the two ends of the first half period: it changes sign where pearls become straight."""
         radii = self.discretization.values(u)[:, 0]
         return float(radii[0] - radii[-1 if self.half else len(radii) // 2])

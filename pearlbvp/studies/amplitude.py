@@ -75,6 +75,10 @@ class Prediction:
         tube = self.equation.tube
         return self.equation.at(self.family, float(u[0])) | {"c0": tube.c0, "L": tube.length}
 
+    def wave(self, u: Array) -> float:
+        """``2 A``."""
+        return 2 * float(u[0])
+
 
 @dataclass(frozen=True)
 class PredictedSpectrum:

@@ -15,11 +15,13 @@ from itertools import product
 from typing import Any, ClassVar, NamedTuple, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.projection import of_section
 from pearlbvp.tube.extremes import extremes
-from pearlbvp.tube.modes import Basis, Mode
+from pearlbvp.tube.modes import Mode, sections
 from pearlbvp.tube.rigid import rigid_motions
 from pearlbvp.tube.spectrum import Equilibrium, Fixed, TubeSpectrum, block_rates
 from pearlbvp.tube.symmetry import TubeBlock, TubeSymmetry, ellipse
@@ -305,7 +307,7 @@ class TubeProblem:
         coefficients = self.coefficients(direction)
         return bool(coefficients[np.abs(coefficients).argmax()] > 0)
 
-    def wave(self, u: Array) -> float:
+    def straightness(self, u: Array) -> float:
         """A number that changes its sign where a ring, coil, buckle or pearl becomes the straight tube; 1 of other tubes."""
         mode = self.symmetry.onset_mode
         return 1.0 if mode is None else self.known(u)[mode]
@@ -399,14 +401,26 @@ class TubeProblem:
             around: points of each section.
         """
         length = self.parameters(u).length
-        k, kappa = 2 * math.pi / length, 2 * math.pi * self.symmetry.turns / length
         x = np.linspace(0, length, max(2, round(12 * length)) + 1) if x is None else x
-        phi = np.linspace(0, 2 * math.pi, around + 1)
-        xs, phis = np.meshgrid(x, phi, indexing="ij")
-        basis = Basis.of(self.modes, k, kappa, xs.ravel(), phis.ravel())
-        moved = basis.displacement() @ self.coefficients(u)  # turned by e^{-i(kappa x + phi)}
-        plane = (moved[:, 0] + 1j * moved[:, 1]) * np.exp(1j * (kappa * xs.ravel() + phis.ravel()))
-        return xs, plane.real.reshape(xs.shape), plane.imag.reshape(xs.shape)
+        plane = self._sections(u, x, np.linspace(0, 2 * math.pi, around + 1))
+        return np.repeat(x[:, None], around + 1, axis=1), plane.real, plane.imag
+
+    def _sections(self, u: Array, x: Array, phi: Array) -> NDArray[np.complex128]:
+        """Points of the surface in planes across the axis, shape (len(x), len(phi))."""
+        k = 2 * math.pi / self.parameters(u).length
+        return sections(self.known(u), k, self.symmetry.turns * k, x, phi)
+
+    def wave(self, u: Array) -> float:
+        """``2 A`` of the largest wave (``projection``): near the straight tube that of the mode in which it leaves that."""
+        period, fold = self._units
+        length, (along, around) = self.parameters(u).length, (period * self.size[0], fold * self.size[1])
+        most = along + self.symmetry.turns * around, max(around, 1)
+        x = length * np.arange(3 * most[0] + 8) / (3 * most[0] + 8)
+        phi = 2 * math.pi * np.arange(3 * most[1] + 8) / (3 * most[1] + 8)
+        curve = self._sections(u, x, phi)
+        by_phi = np.fft.ifft(1j * np.fft.fftfreq(len(phi), 1 / len(phi)) * np.fft.fft(curve))
+        projected = of_section(curve, by_phi * 2 * math.pi / len(phi), x[:, None])
+        return projected.wave(2 * math.pi / length, most)
 
     def to_tree(self) -> dict[str, Any]:
         """Everything as arrays, numbers and words, to be saved."""
