@@ -1,9 +1,9 @@
 """Waves of a surface over the straight tube, by projecting it there (paper, Appendix B).
 
-A point at ``x`` whose distance from the axis is ``r`` and whose angle about it is ``phi`` stands for a part of the straight tube
-at ``x, phi``. So the displacement is ``r - 1 = A e^{i(kx + n phi)} + B e^{i(kx - n phi)} + c.c. + other waves``, ``A`` and ``B``
-being integrals over the straight tube, as the amplitude equations take them (``theory.amplitude``). Parts are counted with their
-orientation: where a surface overhangs or folds over, what it covers three times counts once.
+A point at ``x`` whose distance from the axis is ``r`` and whose angle about it is ``phi`` stands for a part of the straight
+tube at ``x, phi``. So the displacement is ``r - 1 = A e^{i(kx + n phi)} + B e^{i(kx - n phi)} + c.c. + other waves``, ``A``
+and ``B`` being integrals over the straight tube, as the amplitude equations take them (``theory.amplitude``). Parts are
+counted with their orientation: where a surface overhangs or folds over, what it covers three times counts once.
 """
 
 from __future__ import annotations

@@ -178,7 +178,9 @@ def branch(
         raise InputError(f"--until: {twice} is given twice; give it once")
     fixed_here = [name for name, _ in until if name.removeprefix("fold:") in ("c0", "L")]
     if resume is None and fixed_here:
-        raise InputError(f"--until: {fixed_here[0].removeprefix('fold:')} does not vary on this branch; save it, and --vary it from there")
+        raise InputError(
+            f"--until: {fixed_here[0].removeprefix('fold:')} does not vary on this branch; save it, and --vary it from there"
+        )
     given = given_options(click.get_current_context())
     if nodes is not None:
         unused = sorted(given & NOT_OF_MESHES)

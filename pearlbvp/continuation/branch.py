@@ -328,7 +328,9 @@ def _is_of_kind(kind: str, wanted: str) -> bool:
 
 def _asked(special: Sequence[SpecialPoint[P]], until: Mapping[str, int]) -> SpecialPoint[P] | None:
     """The first special point at which the branch was asked to stop, if it is among those so far."""
-    of_kinds = ([s for s in special if _is_of_kind(s.kind, kind)][number - 1 : number] for kind, number in until.items())
+    of_kinds = (
+        [s for s in special if _is_of_kind(s.kind, kind)][number - 1 : number] for kind, number in until.items()
+    )
     return min((s for found in of_kinds for s in found), key=lambda s: s.index, default=None)
 
 

@@ -285,7 +285,7 @@ def followed(
 STRAIGHT = "the shapes become the straight tube; beyond, the curve would repeat their mirror images"
 
 STRAIGHT_WAVE = 0.02
-"""Amplitude (``straightness`` of the problems) of shapes that are called straight. What the curve leads to differs by its square.
+"""Amplitude (the problems' ``straightness``) of shapes that are called straight. What the curve leads to differs by its square.
 
 Nearer, the conditions of what happens at onset, which are proportional to the amplitude or its square, fade.
 """

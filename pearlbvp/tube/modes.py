@@ -134,7 +134,9 @@ def sections(known: Mapping[Mode, float], k: float, kappa: float, x: Array, phi:
         k, kappa: unit of the wave numbers along the tube, and the rate at which the frame turns.
         x, phi: places along and around the tube.
     """
-    most_p, most_b = (max(int(number) for number in numbers) for numbers in zip(*((m.p, m.b) for m in known), strict=True))
+    most_p, most_b = (
+        max(int(number) for number in numbers) for numbers in zip(*((m.p, m.b) for m in known), strict=True)
+    )
     centre = np.zeros((2, most_p + 1), dtype=complex)
     radius = np.zeros((2, most_p + 1, 2, most_b + 1))
     for mode, value in known.items():
