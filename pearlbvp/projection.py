@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pearlbvp.representation import brief
+
 Array = NDArray[np.float64]
 
 COVERED = 0.01
@@ -28,6 +30,8 @@ class Projection:
         x, phi, r: cylindrical coordinates.
         share: the part's share of the straight tube, negative where it is seen from inside.
     """
+
+    __repr__ = brief
 
     x: Array
     phi: Array

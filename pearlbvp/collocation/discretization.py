@@ -16,6 +16,7 @@ from pearlbvp.collocation.elimination import LinearSystem, solve
 from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, apply_basis, integrated_product
 from pearlbvp.collocation.problem import BoundaryValueProblem
 from pearlbvp.collocation.scheme import Array, Scheme
+from pearlbvp.representation import brief
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,8 @@ class Discretization:
         parameters: all ``k`` parameters; the entries of free ones serve as first guesses only.
         free: names of the parameters that are unknowns.
     """
+
+    __repr__ = brief
 
     problem: BoundaryValueProblem
     scheme: Scheme

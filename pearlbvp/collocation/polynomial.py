@@ -15,6 +15,7 @@ from pearlbvp.collocation.scheme import (
     lagrange_matrix,
 )
 from pearlbvp.compiled import compiled
+from pearlbvp.representation import brief
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,8 @@ class PiecewisePolynomial:
         mesh: the ends of the intervals, increasing, shape (N + 1,).
         values: at the scheme's points of every interval, shape (N*m + 1, n).
     """
+
+    __repr__ = brief
 
     mesh: Array
     values: Array

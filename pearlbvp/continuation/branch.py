@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol
 
 import numpy as np
 
+from pearlbvp.continuation.description import described, described_point
 from pearlbvp.continuation.events import Event, events_between, first_wanted, has_value, value_of
 from pearlbvp.continuation.path import P, Path, PathEnd, PathOptions, Point, steps
 from pearlbvp.continuation.problem import Array, Problem
@@ -103,6 +104,9 @@ class BranchPoint(Generic[P]):
     point: Point[P]
     spectrum: Any
 
+    def __repr__(self) -> str:
+        return f"BranchPoint({described_point(self)})"
+
     @property
     def observables(self) -> dict[str, float]:
         """Named numbers of the solution."""
@@ -124,6 +128,9 @@ class Branch(Generic[P]):
     special: list[SpecialPoint[P]]
     reason: str
     complete: bool
+
+    def __repr__(self) -> str:
+        return described(self)
 
     def kinds(self, index: int) -> list[str]:
         """All that is special at a point."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from pearlbvp.continuation.path import P, PathEnd, Point
 from pearlbvp.continuation.segment import Segment
+from pearlbvp.representation import brief
 
 if TYPE_CHECKING:
     from pearlbvp.continuation.branch import BranchPoint, Spectrum
@@ -30,6 +31,8 @@ def slopes(point: Point[P], names: Sequence[str], eps: float = 1e-5) -> dict[str
 @dataclass(frozen=True)
 class Event(Generic[P]):
     """Something found between two points: where, and what to write of it."""
+
+    __repr__ = brief
 
     s: float
     kind: str

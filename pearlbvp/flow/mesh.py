@@ -28,6 +28,7 @@ from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.sections import distances, radii
 from pearlbvp.mesh.spectrum import Fixed, independent
+from pearlbvp.representation import brief
 
 UNRESOLVED = 0.45
 """Radius of a neck by the length of its longest edges at which a flow ends; at 0.4 a limit surface's control mesh closes."""
@@ -71,6 +72,8 @@ class MeshFlow:
     Raises:
         InputError: an argument that cannot be used.
     """
+
+    __repr__ = brief
 
     reference: MeshProblem
     law: Law = "area and volume"

@@ -40,6 +40,7 @@ from pearlbvp.mesh.spectrum import Fixed, MeshBlock, MeshSpectrum, Modes, indepe
 from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.mesh.symmetry import mean, orbits
 from pearlbvp.newton import NewtonOptions
+from pearlbvp.representation import brief
 
 PINS = 16
 """Vertices held in the factorization: more than there are near kernels, few enough to cost nothing."""
@@ -65,7 +66,10 @@ class MeshProblem:
         orbits: number of each vertex's orbit under the symmetry that the surface keeps, shape (V,); None without one.
     """
 
+    __repr__ = brief
+
     stored_as: ClassVar[str] = "mesh"
+    family: ClassVar[str] = "mesh"
 
     mesh: PeriodicMesh
     phases: Array

@@ -26,6 +26,7 @@ from pearlbvp.collocation import (
 from pearlbvp.collocation.polynomial import all_points, extremes
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.helfrich import Tube, cylinder_lambda1
+from pearlbvp.representation import brief
 from pearlbvp.shapes import axisymmetric, tension
 from pearlbvp.shapes.cells import HALF_CELL, HALF_CELL_TENSION, full_cell
 from pearlbvp.stability.bloch import Fixed, SecondVariation
@@ -51,7 +52,10 @@ class PearlProblem:
         fixed: what perturbations keep, for stability.
     """
 
+    __repr__ = brief
+
     stored_as: ClassVar[str] = "pearl"
+    family: ClassVar[str] = "pearl"
 
     discretization: Discretization
     reference: PiecewisePolynomial | None

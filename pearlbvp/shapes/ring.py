@@ -37,6 +37,7 @@ from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.helfrich import Tube
 from pearlbvp.projection import of_section
+from pearlbvp.representation import brief
 from pearlbvp.stability.bloch import Fixed
 from pearlbvp.stability.planar import PlanarBlock, PlanarSpectrum, PlaneProfile, planar_rates, planar_spectrum
 from pearlbvp.theory.elastica import lobes
@@ -104,7 +105,10 @@ class RingProblem:
         fixed: what perturbations keep, for stability.
     """
 
+    __repr__ = brief
+
     stored_as: ClassVar[str] = "ring"
+    family: ClassVar[str] = "ring"
 
     discretization: Discretization
     n: int

@@ -9,6 +9,7 @@ import numpy as np
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.projection import Projection
+from pearlbvp.representation import brief
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,8 @@ class Profile:
         c0, lambda1, lambda2: the parameters and multipliers with which it is an equilibrium.
         period: axial length of the whole period.
     """
+
+    __repr__ = brief
 
     states: PiecewisePolynomial
     arclength: float
@@ -83,6 +86,8 @@ class Curvatures:
         along, around: principal curvatures ``kappa_s`` and ``kappa_phi = cos psi / r``.
         gauss: their product.
     """
+
+    __repr__ = brief
 
     r: Array
     b: Array

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.representation import brief
 from pearlbvp.stability.bloch import Fixed, SecondVariation, isothermal_points, restrict
 from pearlbvp.stability.profile import Profile
 
@@ -106,6 +107,8 @@ class Spectrum:
         points: Fourier points of a period.
         complete: whether all unstable waves are among them; else more wind around the tube than were looked at.
     """
+
+    __repr__ = brief
 
     rates: dict[Any, Array]
     residual: float

@@ -15,6 +15,7 @@ from pearlbvp.continuation.path import Point
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, positive
 from pearlbvp.numbers import as_numbers
+from pearlbvp.representation import brief
 from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation, exchange_lengths, meeting_c0
 from pearlbvp.theory.dispersion import Mode, critical_lambda2, growth_rate, stable_interval
 
@@ -91,6 +92,8 @@ class PredictedSpectrum:
         critical: whose it is.
         residual: error of the rates, which a prediction does not know.
     """
+
+    __repr__ = brief
 
     rates: Mapping[str, Array]
     n_unstable: int

@@ -28,6 +28,9 @@ ENDS = {"pearl": 1.1, "ring": 0.85, "coil": 0.85, "buckle": 0.85, MIXED: 0.9}
 
 Options = BranchOptions | Mapping[str, BranchOptions] | None
 
+MOST_NAMED = 14
+"""Branches that a session shows by name."""
+
 MOST_BRANCHES = 200
 """Largest number of branches from the cylinder."""
 
@@ -45,6 +48,12 @@ class Diagram:
 
     branches: dict[str, Branch[Any]]
     skipped: dict[str, str]
+
+    def __repr__(self) -> str:
+        rows = [f"  {name}: {len(branch.points)} points, {branch.reason}" for name, branch in self.branches.items()]
+        more = [f"  and {len(rows) - MOST_NAMED} more"] if len(rows) > MOST_NAMED else []
+        head = f"diagram of {len(rows)} branches, {len(self.skipped)} branch points skipped"
+        return "\n".join([head, *rows[:MOST_NAMED], *more])
 
     def table(self) -> pd.DataFrame:
         """All tables under one another, with the branch's name in the first column."""

@@ -64,10 +64,8 @@ def kind_of(branch: Branch[Any]) -> str:
 
 
 def family_of(branch: Branch[Any]) -> str:
-    """``pearl``, ``ring``, ``coil`` (and what branches off from coils) or ``buckle`` (and all other tubes)."""
-    if kind_of(branch) != "tube":
-        return kind_of(branch)
-    return "coil" if branch.points[-1].point.problem.symmetry.turns else "buckle"
+    """``pearl``, ``ring``, ``coil`` (and what branches off from coils), ``buckle`` (and all other tubes) or ``mesh``."""
+    return str(branch.points[-1].point.problem.family)
 
 
 def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.representation import brief
 
 Part = Literal["sigma", "y", "z"]
 
@@ -88,6 +89,8 @@ class Basis:
         x, phi: the grid's points, shape (K,).
         fields: of each mode at each point, shape (K, 10, N).
     """
+
+    __repr__ = brief
 
     modes: tuple[Mode, ...]
     k: float

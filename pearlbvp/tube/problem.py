@@ -20,6 +20,7 @@ from scipy.fft import next_fast_len
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.projection import of_section
+from pearlbvp.representation import brief
 from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Mode, sections
 from pearlbvp.tube.rigid import rigid_motions
@@ -60,6 +61,8 @@ class TubeProblem:
         lambda1, lambda2, v: the tube's, where they are not free.
     """
 
+    __repr__ = brief
+
     stored_as: ClassVar[str] = "tube"
 
     symmetry: TubeSymmetry
@@ -73,6 +76,11 @@ class TubeProblem:
     lambda1: float = 0.0
     lambda2: float = 0.0
     v: float = 1.0
+
+    @property
+    def family(self) -> str:
+        """``coil`` (and what branches off from coils) or ``buckle`` (and all other tubes)."""
+        return "coil" if self.symmetry.turns else "buckle"
 
     def parameters(self, u: Array) -> TubeParameters:
         """Multipliers and parameters of an unknown: its own where they are free, else the problem's."""

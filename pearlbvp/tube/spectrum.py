@@ -16,6 +16,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.representation import brief
 from pearlbvp.tube.density import gradients, hessians
 from pearlbvp.tube.symmetry import TubeBlock
 from pearlbvp.tube.waves import (
@@ -45,6 +46,8 @@ class TubeSpectrum:
         kernel: largest error of a rigid motion as a kernel: 0 on an exact solution, and the error of all rates.
         complete: whether all unstable perturbations were counted.
     """
+
+    __repr__ = brief
 
     rates: Mapping[TubeBlock, Array]
     kernel: float
@@ -119,6 +122,8 @@ class Equilibrium:
         kappa: rate at which the frame turns.
         c0, lambda1, lambda2: of the equilibrium.
     """
+
+    __repr__ = brief
 
     cell: Cell
     fields: Array
