@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import click
@@ -88,6 +89,24 @@ class Until(click.ParamType):
                 f"--until: {value!r} must be NAME=VALUE, like v=1.1, or a special point, like bp, bp:2, fold:v or cmc"
             )
         return kind, count
+
+
+def wanted_places(until: Sequence[tuple[str, float]], radius: float, powers: Mapping[str, int]) -> dict[str, float]:
+    """What several ``Until`` ask for, in radii.
+
+    Args:
+        until: columns and values, kinds and numbers.
+        radius: of the tube, in the unit that values are given in.
+        powers: of length, of the columns.
+
+    Raises:
+        InputError: one is given twice.
+    """
+    names = [name for name, _ in until]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"--until: {name} is given twice; give it once")
+    return {name: value / radius ** powers.get(name, 0) for name, value in until}
 
 
 class SpecialKind(click.ParamType):

@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import ModeNumbers, Nodes, Number, Numbers, SpecialKind, Until, check_meshable
+from pearlbvp.commands.arguments import (
+    ModeNumbers,
+    Nodes,
+    Number,
+    Numbers,
+    SpecialKind,
+    Until,
+    check_meshable,
+    wanted_places,
+)
 from pearlbvp.commands.command import Command, of_this_command
 from pearlbvp.commands.output import (
     DONE,
@@ -173,9 +182,7 @@ def branch(
         raise InputError("--c0, --length: give both, or --resume a saved branch")
     if resume is not None and (c0 is not None or length is not None):
         raise InputError("--resume: the saved branch has its own c0 and length; leave --c0 and --length out")
-    if len(dict(until)) < len(until):
-        twice = next(name for i, (name, _) in enumerate(until) if name in dict(until[:i]))
-        raise InputError(f"--until: {twice} is given twice; give it once")
+    wanted = wanted_places(until, radius, LENGTH_POWER)
     fixed_here = [name for name, _ in until if name.removeprefix("fold:") in ("c0", "L")]
     if resume is None and fixed_here:
         raise InputError(
@@ -208,17 +215,16 @@ def branch(
             raise InputError(f"--{unused[0]}: it is for pearls only; leave it out with {family}")
     elif mode[1] != 0:
         raise InputError(f"--mode: pearls have n = 0, so {mode[0]},{mode[1]} is none of them; give {max(mode[0], 1)},0")
-    from tqdm import tqdm
+    from pearlbvp.progress import progress as progress_bar
 
-    from pearlbvp.continuation.branch import MOVED_AWAY
-    from pearlbvp.studies import branch as study
-    from pearlbvp.studies import saved
+    with progress_bar("point") as bar:
+        from pearlbvp.continuation.branch import MOVED_AWAY
+        from pearlbvp.studies import branch as study
+        from pearlbvp.studies import saved
 
-    known = None if resume is None else saved.load(resume)
-    if known is not None:
-        _check_kind(family, saved.kind_of(known), given)
-    wanted = {name: value / radius ** LENGTH_POWER.get(name, 0) for name, value in until}
-    with tqdm(unit="point", disable=None) as bar:
+        known = None if resume is None else saved.load(resume)
+        if known is not None:
+            _check_kind(family, saved.kind_of(known), given)
         checkpoint = _Checkpoint(save)
 
         def progress(so_far: Any) -> None:

@@ -143,14 +143,13 @@ def flow(
         check_distinct(
             {name: None if p is None else Path(os.path.realpath(p)) for name, p in outputs_and_inputs.items()}
         )
-    from tqdm import tqdm
-
     from pearlbvp.flow.driver import FlowOptions, resumed
     from pearlbvp.flow.driver import start as beginning
     from pearlbvp.flow.record import length_powers
+    from pearlbvp.progress import progress
     from pearlbvp.studies import flow as study
 
-    with tqdm(unit="step", disable=None) as bar:
+    with progress("step") as bar:
 
         def checkpoint(state: Any) -> None:
             bar.set_postfix(t=f"{state.t * unit:.5g}", refresh=False)

@@ -144,9 +144,9 @@ def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool) -> tuple[Any, pd.Da
         own = at.problem.stored_as == "mesh"
         surface = shape_mesh(at, nodes)
         return surface, mesh_table(surface, at.observables["c0"], at.problem.kind if own else kind)
-    from tqdm import tqdm
+    from pearlbvp.progress import progress
 
-    with tqdm(total=2, unit="step", disable=None, desc="equilibrium") as bar:
+    with progress("step", 2, doing="equilibrium") as bar:
         problem, u = meshed(at, nodes, kind=kind)
         bar.update()
         bar.set_description("growth rates")

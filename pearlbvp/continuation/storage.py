@@ -58,6 +58,15 @@ def write_branch(branch: Branch[Any], path: Path) -> None:
                 group.attrs["block"] = list(branch.points[found.index].spectrum.rates).index(found.block)
 
 
+def format_of(path: Path) -> str:
+    """What an HDF5 file says that it is; empty where it says nothing, or cannot be read."""
+    try:
+        with h5py.File(path, "r") as file:
+            return str(file.attrs.get("format", ""))
+    except (OSError, RuntimeError):
+        return ""
+
+
 Reader = Callable[[Mapping[str, Any]], Any]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.interpolate import PchipInterpolator
 
 from pearlbvp.continuation.branch import Branch, BranchPoint
 from pearlbvp.figures.canvas import COLOURS, dress, new_figure
@@ -17,10 +18,11 @@ from pearlbvp.figures.surface import along, place_surfaces
 def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, label: str | None = None) -> None:
     """One branch in one diagram: stable parts solid, unstable parts dashed, special points marked."""
     stable = (table["n_unstable"] == 0).to_numpy()
-    xs, ys = table[x].to_numpy(float), table[y].to_numpy(float)
+    xs, ys = smooth(table[x].to_numpy(float), table[y].to_numpy(float))
+    stable_stretches = np.repeat(stable[1:] & stable[:-1], (len(xs) - 1) // max(len(stable) - 1, 1))
     for wanted, style in ((True, "-"), (False, "--")):
         # A stretch between two points is stable where neither of its ends is unstable.
-        pieces_x, pieces_y = _broken(xs, ys, (stable[1:] & stable[:-1]) == wanted)
+        pieces_x, pieces_y = _broken(xs, ys, stable_stretches == wanted)
         axes.plot(
             pieces_x,
             pieces_y,
@@ -33,6 +35,28 @@ def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, lab
         rows = table[table["special"].str.contains(kind)]
         if len(rows):
             axes.plot(rows[x], rows[y], marker, color=colour, markerfacecolor=face or colour, markersize=5)
+
+
+BETWEEN = 12
+"""Steps from one point of a branch to the next in a picture."""
+
+
+def smooth(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A smooth curve through the points of a polygon, which does not leave the box of any two neighbours.
+
+    Both coordinates are monotone between neighbours as functions of the polygon's length (PCHIP), so that turning points stay
+    where they were located. Where a value is missing or points repeat, it is the polygon.
+    """
+    size = max(float(np.ptp(x)), 1e-300), max(float(np.ptp(y)), 1e-300)
+    steps = np.hypot(np.diff(x) / size[0], np.diff(y) / size[1])
+    if len(x) < 3 or not np.isfinite(steps).all() or steps.min() < 1e-12:
+        return x, y
+    at = np.concatenate(([0.0], np.cumsum(steps)))
+    inner = np.arange(BETWEEN) / BETWEEN
+    dense = np.append((at[:-1, None] + steps[:, None] * inner).ravel(), at[-1])
+    found: np.ndarray = PchipInterpolator(at, np.column_stack((x, y)))(dense)
+    found[::BETWEEN] = np.column_stack((x, y))
+    return found[:, 0], found[:, 1]
 
 
 def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pearlbvp.continuation.branch import Branch, BranchOptions
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, finite
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.branch import COLUMNS, branch_options, pearl_branch
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.studies.ring import ring_branch
 from pearlbvp.studies.saved import kind_of, switched
@@ -57,11 +57,15 @@ class Diagram:
 
     def table(self) -> pd.DataFrame:
         """All tables under one another, with the branch's name in the first column."""
-        import pandas as pd
+        return together(self.branches)
 
-        tables = [branch.table().assign(branch=name) for name, branch in self.branches.items()]
-        table = pd.concat(tables, ignore_index=True)
-        return table[["branch", *(name for name in table if name != "branch")]]
+
+def together(branches: Mapping[str, Branch[Any]]) -> pd.DataFrame:
+    """Tables of several branches under one another: ``branch``, the branch's name, then ``studies.branch.COLUMNS``."""
+    import pandas as pd
+
+    tables = [branch.table()[COLUMNS].assign(branch=name) for name, branch in branches.items()]
+    return pd.concat(tables, ignore_index=True)[["branch", *COLUMNS]]
 
 
 def diagram(

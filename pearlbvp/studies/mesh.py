@@ -131,7 +131,7 @@ def shape_mesh(point: BranchPoint[Any] | Point[Any], nodes: int | PeriodicMesh =
     if isinstance(point.problem, MeshProblem):
         return point.problem.surface(point.u)
     length = point.observables["L"]
-    surface = _surface(point.problem, point.u)
+    surface = surface_points(point.problem, point.u)
     if isinstance(nodes, PeriodicMesh):
         return carried(nodes, surface)
     turns = point.problem.symmetry.turns if point.problem.stored_as == "tube" else 0
@@ -206,7 +206,7 @@ def mesh_switched(
     return switch(branch, numbered(branch, number), options, grow=grow)
 
 
-def _surface(problem: Any, u: Array) -> Surface:
+def surface_points(problem: Any, u: Array) -> Surface:
     """Points of a computed shape by two parameters: ``x``, from 0 to the length, and ``phi``."""
     if problem.stored_as == "pearl":
         return _of_profile(problem.profile(u))
