@@ -45,7 +45,7 @@ def draw_plane(table: pd.DataFrame, x: str, y: str, title: str = "") -> Figure:
         draw_curve(axes, table[table["branch"] == name], x, y, colour, str(name))
     dress(axes, x, y, title or "dashed: unstable; circles: branch points; crosses: folds")
     if beside:
-        figure.subplots_adjust(right=0.74)
+        figure.subplots_adjust(right=0.8)
         axes.legend(
             frameon=False, fontsize="x-small", loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=1 + len(names) // 26
         )

@@ -171,6 +171,10 @@ def predicted_branch(
 
 
 COMPARED = ("lambda1", "lambda2", "E")
+"""Columns that a computed branch must have to be compared."""
+
+WAVE = "wave"
+"""Column that is compared where the computed branch has it: ``2 A``."""
 
 
 def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -> pd.DataFrame:
@@ -185,7 +189,8 @@ def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -
         A row a computed point off the cylinder, on the side where the branch is predicted: ``A``, ``v``, of ``lambda1,
         lambda2, E`` the computed and the predicted value, the difference relative to the change since the onset
         (``..._error``), and the order in ``A`` at which that error falls between this row and the one before (``..._order``):
-        2 for the multipliers, 4 for the energy, whose predictions are right to the square and to the fourth power.
+        2 for the multipliers, 4 for the energy, whose predictions are right to the square and to the fourth power. Where the
+        table has the column ``wave``, the same of that and ``2 A``, at last: 2.
 
     Raises:
         InputError: a column is missing, the table is of another tube or mode, or no point can be compared.
@@ -213,9 +218,10 @@ def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -
         side = "above" if equation.a < 0 else "below"
         raise InputError(f"compare: the table has no point with v {side} 1, where the {family} branch is")
     A, rows = A[chosen], table[chosen]
-    predicted = pd.DataFrame([equation.at(family, float(a)) for a in A])
+    predicted = pd.DataFrame([equation.at(family, float(a)) | {WAVE: 2 * float(a)} for a in A])
+    cylinder[WAVE] = 0.0
     result = pd.DataFrame({"A": A, "v": rows["v"].to_numpy(float)})
-    for name in COMPARED:
+    for name in (*COMPARED, *([WAVE] if WAVE in rows else [])):
         computed = rows[name].to_numpy(float)
         error = np.abs(predicted[name].to_numpy() - computed) / np.abs(computed - cylinder[name])
         result[name], result[f"{name}_predicted"], result[f"{name}_error"] = computed, predicted[name], error

@@ -12,12 +12,15 @@ import pandas as pd
 from pearlbvp.errors import InputError
 
 
-def read_reference(path: str | os.PathLike[str], columns: Sequence[str] | None = None) -> pd.DataFrame:
+def read_reference(
+    path: str | os.PathLike[str], columns: Sequence[str] | None = None, optional: Sequence[str] = ()
+) -> pd.DataFrame:
     """A CSV file with a header, all of numbers; lines that begin with ``#`` are comments.
 
     Args:
         path: of the file.
         columns: those that are wanted; others are not looked at, and may be of words.
+        optional: those that are taken, too, where they are there.
 
     Raises:
         InputError: it cannot be read, a line is not of as many numbers as the header has names, or a column is missing.
@@ -37,7 +40,7 @@ def read_reference(path: str | os.PathLike[str], columns: Sequence[str] | None =
     missing = [name for name in columns or () if name not in header]
     if missing:
         raise InputError(f"compare: {path} has no column {', '.join(missing)}; its columns are {', '.join(header)}")
-    chosen = [(i, name) for i, name in enumerate(header) if columns is None or name in columns]
+    chosen = [(i, name) for i, name in enumerate(header) if columns is None or name in (*columns, *optional)]
     return pd.DataFrame({name: [_number(path, row[i]) for row in rows] for i, name in chosen})
 
 
