@@ -49,7 +49,7 @@ class Projection:
         turned = np.exp(-1j * np.outer(self.phi, around))
         return np.stack((weighted.T @ turned, weighted.T @ turned.conj()))
 
-    def wave(self, k: float, most: tuple[int, int]) -> float:
+    def wave(self, k: float, most: tuple[int, int], *, turning: bool = False) -> float:
         """``2 A`` of the largest wave of the displacement: it is ``2 A cos(kx + n phi)`` and waves that are not larger.
 
         A shift across the axis, ``k = 0`` and ``n = 1``, is no wave. Coils have ``B = 0``, buckles ``B = A``.
@@ -57,6 +57,7 @@ class Projection:
         Args:
             k: unit of the wave numbers along the tube.
             most: largest wave numbers looked at, along and around.
+            turning: whether it is one section of a surface whose sections turn into each other, so that ``n = 1`` is a wave.
 
         Returns:
             The amplitude, a length; NaN where the axis is not inside of the surface.
@@ -64,7 +65,7 @@ class Projection:
         if not self.covers:
             return math.nan
         sizes = np.abs(self.amplitudes(k, np.arange(most[0] + 1), np.arange(most[1] + 1))).max(axis=0)
-        sizes[0, :2] = 0.0
+        sizes[0, : 1 if turning else 2] = 0.0
         return 2 * float(sizes.max())
 
 

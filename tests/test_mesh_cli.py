@@ -20,7 +20,7 @@ from pearlbvp.studies.saved import load, save, switched
 from pearlbvp.studies.tube import tube_branch
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
-           "critical", "c0", "L", "mu_error"]  # fmt: skip
+           "critical", "c0", "L", "mu_error", "wave"]  # fmt: skip
 
 
 def table_of(out):

@@ -159,7 +159,8 @@ def branch(
     Columns: point, special (start, bp, fold:NAME, cmc, stop, end), lambda1, lambda2, v, E, amplitude, r_min,
     r_max, n_unstable, mu_crit (largest growth rate over all perturbations that fit the tube), critical (its n,
     and its wave number j per periods on the tube; of rings, coils and buckles its symmetry), c0, L, mu_error (of
-    growth rates, as rigid motions show it).
+    growth rates, as rigid motions show it), wave (2A of the largest wave cos(kx + n phi) of the surface over the straight tube,
+    empty where the axis is not inside of it).
 
     Rings end where they touch themselves; coils, buckles and what branches off from them where a section is no longer
     star-shaped. Branches that --switch leads to from a ring, coil or buckle are resumed under that name, too.

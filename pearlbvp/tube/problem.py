@@ -421,14 +421,15 @@ class TubeProblem:
     def wave(self, u: Array) -> float:
         """``2 A`` of the largest wave (``projection``): near the straight tube that of the mode in which it leaves that."""
         period, fold = self._units
-        length, (along, around) = self.parameters(u).length, (period * self.size[0], fold * self.size[1])
-        most = along + self.symmetry.turns * around, max(around, 1)
-        x = length * np.arange(3 * most[0] + 8) / (3 * most[0] + 8)
-        phi = 2 * math.pi * np.arange(3 * most[1] + 8) / (3 * most[1] + 8)
+        turns, around = self.symmetry.turns, max(fold * self.size[1], 1)
+        most = (period * self.size[0] + turns * around if period else 0), around  # else all sections are alike
+        length, (along, about) = self.parameters(u).length, (3 * number + 8 for number in most)
+        x = length * np.arange(along) / along if period else np.zeros(1)
+        phi = 2 * math.pi * np.arange(about) / about
         curve = self._sections(u, x, phi)
         by_phi = np.fft.ifft(1j * np.fft.fftfreq(len(phi), 1 / len(phi)) * np.fft.fft(curve))
         projected = of_section(curve, by_phi * 2 * math.pi / len(phi), x[:, None])
-        return projected.wave(2 * math.pi / length, most)
+        return projected.wave(2 * math.pi / length, most, turning=not period and turns > 0)
 
     def to_tree(self) -> dict[str, Any]:
         """Everything as arrays, numbers and words, to be saved."""
