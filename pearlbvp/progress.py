@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import threading
 from collections.abc import Iterator
@@ -28,7 +29,7 @@ def progress(unit: str, total: int | None = None, *, shown: bool | None = None, 
     from tqdm import tqdm  # a tenth of a second to import, and only what takes longer needs it
 
     disable = None if shown is None else not shown
-    with tqdm(total=total, unit=unit, desc=doing or None, disable=disable, file=sys.stderr) as bar:
+    with tqdm(total=total, unit=unit, desc=doing or None, disable=disable, file=sys.stderr, **_size()) as bar:
         if bar.disable:
             yield bar
             return
@@ -37,9 +38,20 @@ def progress(unit: str, total: int | None = None, *, shown: bool | None = None, 
         clock.start()
         try:
             yield bar
+        except BaseException:
+            bar.leave = False  # what went wrong is said without it
+            raise
         finally:
             done.set()
             clock.join()
+
+
+def _size() -> dict[str, int]:
+    """A size for terminals that do not say how large they are, on which nothing would be drawn; others say so themselves."""
+    try:
+        return {} if os.get_terminal_size(sys.stderr.fileno()).columns else {"ncols": 80, "nrows": 24}
+    except (OSError, ValueError, AttributeError):  # no terminal, or no file
+        return {}
 
 
 def _count(bar: Any, done: threading.Event) -> None:

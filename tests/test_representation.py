@@ -1,5 +1,8 @@
 """What a session shows of the objects that it gets: a few lines, with what a user wants to know."""
 
+import os
+import pty
+import sys
 import time
 
 import numpy as np
@@ -97,3 +100,13 @@ def test_a_bar_is_there_at_once_and_counts_by_itself(capsys, monkeypatch, shown)
     assert bool("solving" in first) == shown
     assert bool(later.count("0/3") >= 2) == shown
     assert (first + later == "") == (not shown)
+
+
+def test_a_terminal_of_unknown_size_shows_the_bar(monkeypatch):
+    ours, theirs = pty.openpty()  # its size is 0 by 0
+    with os.fdopen(theirs, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        with progress.progress("tube", 3):
+            said = os.read(ours, 1000).decode()
+    os.close(ours)
+    assert "0/3" in said

@@ -8,12 +8,12 @@ import pytest
 
 from pearlbvp.figures.surface import surface_of
 from pearlbvp.helfrich import Tube, in_units_of_radius
-from pearlbvp.mesh.amplitudes import amplitudes, largest_wave
+from pearlbvp.mesh.amplitudes import amplitudes, amplitudes_at, largest_wave
 from pearlbvp.mesh.functional import Functional
 from pearlbvp.projection import Projection
 from pearlbvp.studies.amplitude import compared, predicted_branch
 from pearlbvp.studies.branch import COLUMNS, branch_options, pearl_branch
-from pearlbvp.studies.mesh import shape_mesh
+from pearlbvp.studies.mesh import meshed, shape_mesh
 from pearlbvp.studies.ring import ring_branch
 from pearlbvp.studies.saved import switched
 from pearlbvp.studies.tube import tube_branch
@@ -64,6 +64,15 @@ def test_the_wave_is_that_of_the_surface_s_triangles(name):
     assert found[1] == pytest.approx(wave, rel=3e-3)
     assert (4 * found[1] - found[0]) / 3 == pytest.approx(wave, rel=4e-4)
     assert length == point.observables["L"]
+
+
+@pytest.mark.parametrize(("kind", "error"), [("subdivision", 3e-4), ("cotangent", 0.1)])
+def test_equilibria_on_meshes_have_the_wave_of_those_in_reduced_modes(kind, error):
+    """At the same volume; the README has the errors of amplitudes on such meshes."""
+    point = followed("coil").points[-1].point
+    problem, u = meshed(point, 500, kind=kind)
+    assert problem.wave(u) == pytest.approx(point.problem.wave(point.u), rel=error)
+    assert problem.wave(u) == pytest.approx(2 * max(map(abs, amplitudes_at(problem, u, 1, 1))), rel=1e-12)
 
 
 def test_the_wave_of_a_graph_is_a_fourier_coefficient():

@@ -74,27 +74,31 @@ def mesh(
         out = writable_mesh("--out", out)
     start = None if source is None else Path(os.path.realpath(source))
     check_distinct({"--from": start, "--out": out, "--plot": plot})
-    from pearlbvp.studies.mesh import NODES, mesh_table
+    from pearlbvp.progress import progress
 
-    nodes = NODES if nodes is None else nodes
-    if source is None:
-        from pearlbvp.mesh.families import tube_mesh
+    with progress("step", 3 if solve else 1, doing="mesh") as bar:
+        from pearlbvp.studies.mesh import NODES, mesh_table
 
-        tube = Tube.from_dimensional(c0 or 0.0, length, radius)  # type: ignore[arg-type]
-        check_meshable(tube.length)
-        surface, title = tube_mesh(tube.length, nodes), f"straight tube, L = {tube.length:g}"
-        table = mesh_table(surface, tube.c0, discretization)
-    else:
-        from pearlbvp.studies import saved
-        from pearlbvp.studies.point import chosen, in_radii
+        nodes = NODES if nodes is None else nodes
+        if source is None:
+            from pearlbvp.mesh.families import tube_mesh
 
-        branch = saved.load(source, "--from")
-        at = chosen(branch, in_radii(point, radius, LENGTH_POWER), saved.family_of(branch))
-        own = sorted(given & {"nodes", "discretization"})
-        if own and at.problem.stored_as == "mesh":
-            raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
-        surface, table = _of_a_point(at, nodes, discretization, solve)
-        title = f"v = {at.observables['v']:.4f}, L = {at.observables['L']:g}"
+            tube = Tube.from_dimensional(c0 or 0.0, length, radius)  # type: ignore[arg-type]
+            check_meshable(tube.length)
+            surface, title = tube_mesh(tube.length, nodes), f"straight tube, L = {tube.length:g}"
+            table = mesh_table(surface, tube.c0, discretization)
+        else:
+            from pearlbvp.studies import saved
+            from pearlbvp.studies.point import chosen, in_radii
+
+            branch = saved.load(source, "--from")
+            at = chosen(branch, in_radii(point, radius, LENGTH_POWER), saved.family_of(branch))
+            own = sorted(given & {"nodes", "discretization"})
+            if own and at.problem.stored_as == "mesh":
+                raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
+            surface, table = _of_a_point(at, nodes, discretization, solve, bar)
+            title = f"v = {at.observables['v']:.4f}, L = {at.observables['L']:g}"
+        bar.update()
     if out is not None:
         from pearlbvp.mesh.files import write_mesh
 
@@ -136,20 +140,18 @@ def _refuse_idle(given: set[str]) -> None:
         raise InputError("--solve: the straight tube is an equilibrium at any pressure; give a shape with --from")
 
 
-def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool) -> tuple[Any, pd.DataFrame]:
-    """Mesh and row of a point of a branch."""
+def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool, bar: Any) -> tuple[Any, pd.DataFrame]:
+    """Mesh and row of a point of a branch; ``bar`` shows two steps of its equilibrium."""
     from pearlbvp.studies.mesh import equilibrium_table, mesh_table, meshed, shape_mesh
 
     if not solve:
         own = at.problem.stored_as == "mesh"
         surface = shape_mesh(at, nodes)
         return surface, mesh_table(surface, at.observables["c0"], at.problem.kind if own else kind)
-    from pearlbvp.progress import progress
-
-    with progress("step", 2, doing="equilibrium") as bar:
-        problem, u = meshed(at, nodes, kind=kind)
-        bar.update()
-        bar.set_description("growth rates")
-        table = equilibrium_table(problem, u)
-        bar.update()
+    bar.set_description("equilibrium")
+    problem, u = meshed(at, nodes, kind=kind)
+    bar.update()
+    bar.set_description("growth rates")
+    table = equilibrium_table(problem, u)
+    bar.update()
     return problem.surface(u), table
