@@ -23,6 +23,13 @@ COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_m
            "critical", "c0", "L", "mu_error", "wave"]  # fmt: skip
 
 
+def test_a_shape_is_named_by_what_is_special_there(capsys, tmp_path):
+    branch = pearl_branch(0.48, 15, 2, branch_options({"bp": 1}))
+    save(branch, tmp_path / "b.h5")
+    rows = [run(capsys, "mesh", "--from", tmp_path / "b.h5", "--point", name)[1] for name in ("bp", "-1", "start")]
+    assert rows[0] == rows[1] != rows[2]
+
+
 def table_of(out):
     return pd.read_csv(io.StringIO(out), keep_default_na=False, na_values={"mu_error": [""]})
 

@@ -20,6 +20,7 @@ from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.branch import STOPS
 from pearlbvp.studies.mesh import NODES, surface_points
+from pearlbvp.studies.point import special_place
 
 SAMPLES = 400
 """Points of a curve: on a period of an axisymmetric shape, around a section."""
@@ -46,38 +47,31 @@ def stored(branch: Branch[Any], name: str) -> tuple[int, str]:
         return int(name) % (last + 1), ""
     column, equals, text = name.partition("=")
     if not equals:
-        return _special(branch, name), ""
+        place = special_place(branch, name)
+        if place is None:
+            kinds = ", ".join(dict.fromkeys(special.kind for special in branch.special))
+            raise InputError(
+                f"point: {name!r} is no point of this branch; give a number, NAME=VALUE like v=1.02, or one of its special "
+                f"points ({kinds}; bp:2 is the second)"
+            )
+        return place, ""
     column, value = column.strip(), finite("point", text)  # type: ignore[arg-type]
     if column not in STOPS:
         raise InputError(f"point: {column!r} is no column with numbers of a shape; choose one of {', '.join(STOPS)}")
     found = [value_of(entry.point, column, entry.spectrum) for entry in branch.points]
-    place = _nearest(found, value)
-    if place is None:
+    at = _nearest(found, value)
+    if at is None:
         known = [number for number in found if not math.isnan(number)]
         raise InputError(
             f"point: {column} = {value:g} is not reached on this branch, where it goes from {min(known):.6g} to "
             f"{max(known):.6g}; give a value between, or follow the branch further"
         )
-    if abs(found[place] - value) <= SAME_VALUE * (1 + abs(value)):
-        return place, ""
-    return place, (
-        f"{column} = {value:g} lies between two points; the nearest, point {place}, has {found[place]:.8g} (pearlbvp branch "
+    if abs(found[at] - value) <= SAME_VALUE * (1 + abs(value)):
+        return at, ""
+    return at, (
+        f"{column} = {value:g} lies between two points; the nearest, point {at}, has {found[at]:.8g} (pearlbvp branch "
         f"--until {column}={value:g} computes the shape itself)"
     )
-
-
-def _special(branch: Branch[Any], name: str) -> int:
-    """The point of a special point by kind and number, 1 where none is given."""
-    kind, _, number = name.rpartition(":")
-    kind, count = (kind, int(number)) if kind and number.isdigit() else (name, 1)
-    places = [special.index for special in branch.find(kind)]
-    if not 1 <= count <= len(places):
-        kinds = ", ".join(dict.fromkeys(special.kind for special in branch.special))
-        raise InputError(
-            f"point: {name!r} is no point of this branch; give a number, NAME=VALUE like v=1.02, or one of its special "
-            f"points ({kinds}; bp:2 is the second)"
-        )
-    return places[count - 1]
 
 
 def _nearest(values: Sequence[float], wanted: float) -> int | None:
