@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from pearlbvp.representation import brief
+
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -56,6 +58,8 @@ class Pinned:
         free: the others.
         factors: those of the matrix at ``free``, pivots on the diagonal.
     """
+
+    __repr__ = brief
 
     matrix: sparse.csc_matrix
     pins: Integers
@@ -125,6 +129,8 @@ class Bordered:
         lower: rows of pins and borders at the free columns.
         inverse: of the dense Schur complement.
     """
+
+    __repr__ = brief
 
     pinned: Pinned
     columns: Array

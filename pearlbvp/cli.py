@@ -18,6 +18,7 @@ import click
 from pearlbvp._version import __version__
 from pearlbvp.commands.amplitude import amplitude, amplitude_map
 from pearlbvp.commands.branch import branch
+from pearlbvp.commands.diagram import diagram
 from pearlbvp.commands.dispersion import dispersion
 from pearlbvp.commands.flow import flow
 from pearlbvp.commands.localized import localized
@@ -25,6 +26,7 @@ from pearlbvp.commands.mesh import mesh
 from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, UNUSABLE
 from pearlbvp.commands.period import period
 from pearlbvp.commands.region import region
+from pearlbvp.commands.show import show
 from pearlbvp.errors import InputError, interrupted
 from pearlbvp.files import shortened
 
@@ -41,7 +43,7 @@ def cli() -> None:
     """
 
 
-for command in (dispersion, amplitude, amplitude_map, localized, period, region, branch, flow, mesh):
+for command in (dispersion, amplitude, amplitude_map, localized, period, region, branch, flow, mesh, show, diagram):
     cli.add_command(command)
 
 

@@ -145,6 +145,20 @@ def _unsealed(name: str, path: str | os.PathLike[str], kind: str, content: bytes
     raise InputError(f"{name}: {path} is {what}; give one that {writer} wrote")
 
 
+def kind_of(name: str, path: str | os.PathLike[str]) -> str:
+    """What a file says that it holds, in the words of ``save_tree``; of files of other programs whatever its first line says.
+
+    Args:
+        name: the argument's name, for the message.
+        path: of the file.
+
+    Raises:
+        InputError: there is no such file, or it cannot be read.
+    """
+    first = read_whole(name, path)[:HEADER].partition(b"\n")[0]
+    return first.decode("utf-8", "replace").partition(",")[0]
+
+
 def _what(kind: str) -> str:
     return kind.removeprefix("pearlbvp ")
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pearlbvp.representation import brief
+
 Array = NDArray[np.float64]
 
 
@@ -41,6 +43,8 @@ class NewtonResult:
         rate: the factor ``C`` of quadratic convergence that the last two corrections show, or the one assumed.
         message: empty, or why it failed and what to try.
     """
+
+    __repr__ = brief
 
     u: Array
     converged: bool

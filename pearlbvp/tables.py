@@ -15,7 +15,11 @@ BYTE_ORDER_MARKS = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xb
 
 
 def read_table(
-    name: str, path: str | os.PathLike[str], columns: Sequence[str] | None = None, unnamed: Sequence[str] = ()
+    name: str,
+    path: str | os.PathLike[str],
+    columns: Sequence[str] | None = None,
+    unnamed: Sequence[str] = (),
+    optional: Sequence[str] = (),
 ) -> dict[str, list[float]]:
     """Columns of a table in a file.
 
@@ -28,6 +32,7 @@ def read_table(
         path: of the file.
         columns: those that are wanted; others are not looked at, and may be of words.
         unnamed: names of the columns of a table without any header.
+        optional: columns that are taken where they are.
 
     Raises:
         InputError: it cannot be read, a line is not of as many numbers as the header has names, or a column is missing.
@@ -54,6 +59,7 @@ def read_table(
                 f"{name}: {path} has {len(header)} columns but a row of {len(row)}: {','.join(row)[:80]}; complete it"
             )
     chosen = list(header) if columns is None else list(columns)
+    chosen += [column for column in optional if column in header and column not in chosen]
     missing = [column for column in chosen if column not in header]
     if missing:
         raise InputError(

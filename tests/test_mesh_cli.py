@@ -20,7 +20,14 @@ from pearlbvp.studies.saved import load, save, switched
 from pearlbvp.studies.tube import tube_branch
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
-           "critical", "c0", "L", "mu_error"]  # fmt: skip
+           "critical", "c0", "L", "mu_error", "wave"]  # fmt: skip
+
+
+def test_a_shape_is_named_by_what_is_special_there(capsys, tmp_path):
+    branch = pearl_branch(0.48, 15, 2, branch_options({"bp": 1}))
+    save(branch, tmp_path / "b.h5")
+    rows = [run(capsys, "mesh", "--from", tmp_path / "b.h5", "--point", name)[1] for name in ("bp", "-1", "start")]
+    assert rows[0] == rows[1] != rows[2]
 
 
 def table_of(out):

@@ -133,7 +133,7 @@ def test_coils_and_buckles_exchange_stability_where_theory_says(coils, vary, upw
         assert expected == pytest.approx(13.025, abs=5e-4)
     else:
         expected = brentq(lambda c0: exchange_lengths(c0)[1] - 10, 0.34, 0.4)
-    squares = [entry.point.problem.base.wave(entry.point.u) ** 2 for entry in curve.points[-2:]]
+    squares = [entry.point.problem.base.straightness(entry.point.u) ** 2 for entry in curve.points[-2:]]
     values = [entry.observables[vary] for entry in curve.points[-2:]]
     assert squares[1] < 1.5 * STRAIGHT_WAVE**2
     found = values[1] - squares[1] * (values[1] - values[0]) / (squares[1] - squares[0])

@@ -16,6 +16,7 @@ from pearlbvp.collocation.elimination import LinearSystem, solve
 from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, apply_basis, integrated_product
 from pearlbvp.collocation.problem import BoundaryValueProblem
 from pearlbvp.collocation.scheme import Array, Scheme
+from pearlbvp.representation import brief
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,8 @@ class Discretization:
         weights: of the states and of all parameters in the inner product, shape (n + k,); 1 by default. They make one of what
             differs in size.
     """
+
+    __repr__ = brief
 
     problem: BoundaryValueProblem
     scheme: Scheme

@@ -15,6 +15,7 @@ from pearlbvp.collocation.scheme import (
     lagrange_matrix,
 )
 from pearlbvp.compiled import compiled
+from pearlbvp.representation import brief
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,8 @@ class PiecewisePolynomial:
         mesh: the ends of the intervals, increasing, shape (N + 1,).
         values: at the scheme's points of every interval, shape (N*m + 1, n).
     """
+
+    __repr__ = brief
 
     mesh: Array
     values: Array
@@ -56,6 +59,15 @@ class PiecewisePolynomial:
         by_t = derivative_matrix(self.scheme.points) / np.diff(self.mesh)[:, None, None]
         result: Array = by_t @ self.local()
         return result
+
+    @property
+    def weights(self) -> Array:
+        """Of the values in the integral over the whole mesh, shape (N*m + 1,)."""
+        pieces = np.outer(np.diff(self.mesh), integration_matrix(self.scheme.points)[-1])
+        found = np.zeros(len(self.values))
+        found[:-1] = pieces[:, :-1].ravel()
+        found[self.scheme.m :: self.scheme.m] += pieces[:, -1]
+        return found
 
     def integral(self) -> Array:
         """Integral from the left end to each of the points, shape (N*m + 1, n)."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.representation import brief
 
 
 def _no_mass(p: Array) -> tuple[Array | None, Array | None]:
@@ -40,6 +41,8 @@ class BoundaryValueProblem:
         mass: diagonal of ``M``, shape (n,), and its derivatives by ``p``, shape (n, k); ``None, None`` for the identity.
             Entries may pass through zero, where an equation becomes algebraic.
     """
+
+    __repr__ = brief
 
     states: tuple[str, ...]
     parameters: tuple[str, ...]

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from pearlbvp.representation import brief
+
 Array = NDArray[np.float64]
 
 
@@ -75,6 +77,8 @@ class Scheme:
         error_constant: ``max |K|`` with the local error ``y^(m+1) h^(m+1) K(tau)``,
             ``K(tau) = 1/m! * integral from 0 to tau of prod(s - c_j) ds`` (Ascher, Mattheij, Russell, eq. (5.75)).
     """
+
+    __repr__ = brief
 
     m: int
     nodes: Array

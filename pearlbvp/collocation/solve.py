@@ -12,6 +12,7 @@ from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points
 from pearlbvp.collocation.problem import BoundaryValueProblem
 from pearlbvp.collocation.scheme import Array, gauss_scheme
 from pearlbvp.newton import NewtonOptions, newton
+from pearlbvp.representation import brief
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class BoundaryValueSolution:
         error: estimated largest error of the piecewise polynomial (at mesh points it is much smaller).
         iterations: Newton iterations on all meshes together.
     """
+
+    __repr__ = brief
 
     success: bool
     message: str

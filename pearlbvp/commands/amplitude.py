@@ -51,12 +51,12 @@ def amplitude(
     units of the tube's radius.
 
     The predicted branch has the columns of `branch`, growth rates to leading order. With --compare its columns are A, v
-    and, of lambda1, lambda2 and E, the computed and the predicted value at that v, the error relative to the change
-    since the onset, and the order in A at which it falls.
+    and, of lambda1, lambda2, E and wave (2 A), the computed and the predicted value at that v, the error relative to the
+    change since the onset, and the order in A at which it falls.
     """
     from pearlbvp.files import writable
     from pearlbvp.helfrich import Tube
-    from pearlbvp.studies.amplitude import COMPARED, coefficients, compared, predicted_branch
+    from pearlbvp.studies.amplitude import COMPARED, WAVE, coefficients, compared, predicted_branch
     from pearlbvp.studies.reference import read_reference
     from pearlbvp.theory.amplitude import amplitude_equation, family_named
 
@@ -71,7 +71,7 @@ def amplitude(
     table = coefficients(tube.c0, tube.length, modes)
     equation = amplitude_equation(tube, modes[0])
     chosen = family_named(family) if family else equation.preferred
-    computed = None if compare is None else read_reference(compare, ("v", *COMPARED, "c0", "L"))
+    computed = None if compare is None else read_reference(compare, ("v", *COMPARED, "c0", "L"), (WAVE,))
     predicted: dict[str, pd.DataFrame] = {
         name: predicted_branch(tube.c0, tube.length, modes[0], name, largest).table()
         for name in (equation.families if family is None else (chosen,))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import click
@@ -84,18 +85,37 @@ def check_meshable(length: float) -> None:
 
 
 class Until(click.ParamType):
-    """``NAME=VALUE``."""
+    """``NAME=VALUE``, or a special point: ``bp``, ``bp:2``, ``fold:v``, ``fold:v:2``, ``cmc``."""
 
-    name = "name=value"
+    name = "name=value|kind[:k]"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
-        """Split and parse the text."""
+        """Split and parse the text: column and value, or kind and number, 1 where none is given."""
         from pearlbvp.helfrich import finite
 
         name, equals, number = str(value).partition("=")
-        if not equals:
-            raise InputError(f"--until: {value!r} must be NAME=VALUE, like v=1.1")
-        return name.strip(), finite("--until", number)  # type: ignore[arg-type]
+        if equals:
+            return name.strip(), finite("--until", number)  # type: ignore[arg-type]
+        kind, _, last = name.strip().rpartition(":")
+        kind, count = (kind, int(last)) if kind and last.isdigit() else (name.strip(), 1)
+        if kind.partition(":")[0] not in ("bp", "cmc", "fold"):
+            raise InputError(
+                f"--until: {value!r} must be NAME=VALUE, like v=1.1, or a special point, like bp, bp:2, fold:v or cmc"
+            )
+        return kind, count
+
+
+def wanted_places(until: Sequence[tuple[str, float]], units: Units) -> dict[str, float]:
+    """What several ``Until`` ask for, in radii: columns and values, kinds of special points and numbers.
+
+    Raises:
+        InputError: one is given twice.
+    """
+    names = [name for name, _ in until]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"--until: {name} is given twice; give it once")
+    return {name: units.named_from_user(name, value) for name, value in until}
 
 
 class SpecialKind(click.ParamType):

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import ModeNumbers, Nodes, Number, Numbers, SpecialKind, Until, check_meshable
+from pearlbvp.commands.arguments import (
+    ModeNumbers,
+    Nodes,
+    Number,
+    Numbers,
+    SpecialKind,
+    Until,
+    check_meshable,
+    wanted_places,
+)
 from pearlbvp.commands.command import Command, of_this_command
 from pearlbvp.commands.output import (
     DONE,
@@ -66,7 +75,13 @@ if TYPE_CHECKING:
     show_default=True,
     help="With --shape: periods on the tube that stability is judged on; L is that of one.",
 )
-@click.option("--until", type=Until(), multiple=True, help="Stop exactly there; the first reached counts.")
+@click.option(
+    "--until",
+    type=Until(),
+    multiple=True,
+    help="Stop exactly there: v=1.1, or the K-th special point from the start on: bp, bp:2, fold:v, fold:v:2, cmc. May be "
+    "given several times; the first reached counts.",
+)
 @click.option(
     "--max-points", type=click.IntRange(min=2), default=200, show_default=True, help="End after so many more."
 )
@@ -146,7 +161,8 @@ def branch(
     Columns: point, special (start, bp, fold:NAME, cmc, stop, end), lambda1, lambda2, v, E, amplitude, r_min,
     r_max, n_unstable, mu_crit (largest growth rate over all perturbations that fit the tube), critical (its n,
     and its wave number j per periods on the tube; of rings, coils and buckles its symmetry), c0, L, mu_error (of
-    growth rates, as rigid motions show it).
+    growth rates, as rigid motions show it), wave (2A of the largest wave cos(kx + n phi) of the surface over the straight tube,
+    empty where the axis is not inside of it).
 
     Rings end where they touch themselves; coils, buckles and what branches off from them where a section is no longer
     star-shaped. Branches that --switch leads to from a ring, coil or buckle are resumed under that name, too.
@@ -168,9 +184,12 @@ def branch(
         raise InputError("--c0, --length: give both, or --resume a saved branch")
     if resume is not None and (c0 is not None or length is not None):
         raise InputError("--resume: the saved branch has its own c0 and length; leave --c0 and --length out")
-    fixed_here = [name for name, _ in until if name in ("c0", "L")]
+    wanted = wanted_places(until, units)
+    fixed_here = [name for name, _ in until if name.removeprefix("fold:") in ("c0", "L")]
     if resume is None and fixed_here:
-        raise InputError(f"--until: {fixed_here[0]} does not vary on this branch; save it, and --vary it from there")
+        raise InputError(
+            f"--until: {fixed_here[0].removeprefix('fold:')} does not vary on this branch; save it, and --vary it from there"
+        )
     given = given_options(click.get_current_context())
     if nodes is not None:
         unused = sorted(given & NOT_OF_MESHES)
@@ -198,17 +217,16 @@ def branch(
             raise InputError(f"--{unused[0]}: it is for pearls only; leave it out with {family}")
     elif mode[1] != 0:
         raise InputError(f"--mode: pearls have n = 0, so {mode[0]},{mode[1]} is none of them; give {max(mode[0], 1)},0")
-    from tqdm import tqdm
+    from pearlbvp.progress import progress as progress_bar
 
-    from pearlbvp.continuation.branch import MOVED_AWAY
-    from pearlbvp.studies import branch as study
-    from pearlbvp.studies import saved
+    with progress_bar("point") as bar:
+        from pearlbvp.continuation.branch import MOVED_AWAY
+        from pearlbvp.studies import branch as study
+        from pearlbvp.studies import saved
 
-    known = None if resume is None else saved.load(resume)
-    if known is not None:
-        _check_kind(family, saved.kind_of(known), given)
-    wanted = {name: units.named_from_user(name, value) for name, value in until}
-    with tqdm(unit="point", disable=None) as bar:
+        known = None if resume is None else saved.load(resume)
+        if known is not None:
+            _check_kind(family, saved.kind_of(known), given)
         checkpoint = _Checkpoint(save)
 
         def progress(so_far: Any) -> None:

@@ -149,14 +149,13 @@ def flow(
         check_distinct(
             {name: None if p is None else Path(os.path.realpath(p)) for name, p in outputs_and_inputs.items()}
         )
-    from tqdm import tqdm
-
     from pearlbvp.flow.driver import NEXT, FlowOptions, resumed
     from pearlbvp.flow.driver import start as beginning
+    from pearlbvp.progress import progress
     from pearlbvp.studies import flow as study
     from pearlbvp.units import NUMBER
 
-    with tqdm(unit="step", disable=None) as bar:
+    with progress("step") as bar:
 
         def checkpoint(state: Any) -> None:
             bar.set_postfix(t=f"{units.to_user('t', state.t):.5g}", refresh=False)

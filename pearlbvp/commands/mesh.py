@@ -73,27 +73,31 @@ def mesh(
         out = writable_mesh("--out", out)
     start = None if source is None else Path(os.path.realpath(source))
     check_distinct({"--from": start, "--out": out, "--plot": plot})
-    from pearlbvp.studies.mesh import NODES, mesh_table
+    from pearlbvp.progress import progress
 
-    nodes = NODES if nodes is None else nodes
-    if source is None:
-        from pearlbvp.mesh.families import tube_mesh
+    with progress("step", 3 if solve else 1, doing="mesh") as bar:
+        from pearlbvp.studies.mesh import NODES, mesh_table
 
-        tube = units.tube(c0 or 0.0, length)  # type: ignore[arg-type]
-        check_meshable(tube.length)
-        surface, title = tube_mesh(tube.length, nodes), f"straight tube, L = {length:g}"
-        table = mesh_table(surface, tube.c0, discretization)
-    else:
-        from pearlbvp.studies import saved
-        from pearlbvp.studies.point import chosen
+        nodes = NODES if nodes is None else nodes
+        if source is None:
+            from pearlbvp.mesh.families import tube_mesh
 
-        branch = saved.load(source, "--from")
-        at = chosen(branch, units.place_from_user(point), saved.family_of(branch))
-        own = sorted(given & {"nodes", "discretization"})
-        if own and at.problem.stored_as == "mesh":
-            raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
-        surface, table = _of_a_point(at, nodes, discretization, solve)
-        title = f"v = {at.observables['v']:.4f}, L = {units.to_user('L', at.observables['L']):g}"
+            tube = units.tube(c0 or 0.0, length)  # type: ignore[arg-type]
+            check_meshable(tube.length)
+            surface, title = tube_mesh(tube.length, nodes), f"straight tube, L = {length:g}"
+            table = mesh_table(surface, tube.c0, discretization)
+        else:
+            from pearlbvp.studies import saved
+            from pearlbvp.studies.point import chosen
+
+            branch = saved.load(source, "--from")
+            at = chosen(branch, units.place_from_user(point), saved.family_of(branch))
+            own = sorted(given & {"nodes", "discretization"})
+            if own and at.problem.stored_as == "mesh":
+                raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
+            surface, table = _of_a_point(at, nodes, discretization, solve, bar)
+            title = f"v = {at.observables['v']:.4f}, L = {units.to_user('L', at.observables['L']):g}"
+        bar.update()
     others: list[Callable[[], object]] = []
     if out is not None:
         from pearlbvp.mesh.files import write_mesh
@@ -137,20 +141,18 @@ def _refuse_idle(given: set[str]) -> None:
         raise InputError("--solve: the straight tube is an equilibrium at any pressure; give a shape with --from")
 
 
-def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool) -> tuple[Any, pd.DataFrame]:
-    """Mesh and row of a point of a branch."""
+def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool, bar: Any) -> tuple[Any, pd.DataFrame]:
+    """Mesh and row of a point of a branch; ``bar`` shows two steps of its equilibrium."""
     from pearlbvp.studies.mesh import equilibrium_table, mesh_table, meshed, shape_mesh
 
     if not solve:
         own = at.problem.stored_as == "mesh"
         surface = shape_mesh(at, nodes)
         return surface, mesh_table(surface, at.observables["c0"], at.problem.kind if own else kind)
-    from tqdm import tqdm
-
-    with tqdm(total=2, unit="step", disable=None, desc="equilibrium") as bar:
-        problem, u = meshed(at, nodes, kind=kind)
-        bar.update()
-        bar.set_description("growth rates")
-        table = equilibrium_table(problem, u)
-        bar.update()
+    bar.set_description("equilibrium")
+    problem, u = meshed(at, nodes, kind=kind)
+    bar.update()
+    bar.set_description("growth rates")
+    table = equilibrium_table(problem, u)
+    bar.update()
     return problem.surface(u), table

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol
 
 import numpy as np
 
-from pearlbvp.continuation.events import Event, events_between, first_wanted
+from pearlbvp.continuation.description import described, described_point
+from pearlbvp.continuation.events import Event, events_between, first_wanted, has_value, value_of
 from pearlbvp.continuation.path import P, Path, PathEnd, PathOptions, Point, steps
 from pearlbvp.continuation.problem import Array, Problem
 from pearlbvp.continuation.segment import Segment
@@ -61,6 +62,9 @@ class StableProblem(Problem, Protocol):
 
         Where it turns, a growth rate of ``own_block`` changes its sign, and nowhere else on a smooth branch.
         """
+
+    def wave(self, u: Array) -> float:
+        """``2 A`` of the largest wave over the straight tube (``projection``)."""
 
     def poles(self, u: Array) -> Mapping[str, float]:
         """Named functions at whose zeros growth rates pass through infinity; those that are regular there."""
@@ -116,6 +120,9 @@ class BranchPoint(Generic[P]):
     point: Point[P]
     spectrum: Any
 
+    def __repr__(self) -> str:
+        return f"BranchPoint({described_point(self)})"
+
     @property
     def observables(self) -> dict[str, float]:
         """Named numbers of the solution."""
@@ -138,23 +145,26 @@ class Branch(Generic[P]):
     reason: str
     complete: bool
 
+    def __repr__(self) -> str:
+        return described(self)
+
     def kinds(self, index: int) -> list[str]:
         """All that is special at a point."""
         return [special.kind for special in self.special if special.index == index]
 
     def find(self, kind: str) -> list[SpecialPoint[P]]:
         """The special points of a kind, in order; ``fold`` finds all folds."""
-        return [special for special in self.special if special.kind == kind or special.kind.split(":")[0] == kind]
+        return [special for special in self.special if _is_of_kind(special.kind, kind)]
 
     def at(self, special: SpecialPoint[P]) -> BranchPoint[P]:
         """The point of a special point."""
         return self.points[special.index]
 
     def table(self) -> pd.DataFrame:
-        """A row a point: ``point, special``, the observables, ``n_unstable, mu_crit, critical, mu_error``.
+        """A row a point: ``point, special``, the observables, ``n_unstable, mu_crit, critical, mu_error, wave``.
 
         ``n_unstable`` is empty where more waves grow than were counted; ``mu_error`` is the error of growth rates, as the
-        exact kernels show it.
+        exact kernels show it; ``wave`` is ``2 A`` of the largest wave (``projection``), empty where the axis is not inside.
         """
         import pandas as pd
 
@@ -165,9 +175,19 @@ class Branch(Generic[P]):
                 "mu_crit": entry.spectrum.mu_crit,
                 "critical": str(entry.spectrum.critical),
                 "mu_error": entry.spectrum.residual,
+                "wave": value_of(entry.point, "wave"),
             }
             rows.append({"point": index, "special": ",".join(self.kinds(index))} | entry.observables | stability)
         return pd.DataFrame(rows).astype({"n_unstable": "Int64"})
+
+    @property
+    def ends_at_bifurcation(self) -> bool:
+        """Whether what follows the last point leaves a place where branches cross or turn, which is no event ahead of it.
+
+        A branch of one point is its start, of which nothing tells where it lies.
+        """
+        kinds = self.kinds(len(self.points) - 1)
+        return len(self.points) == 1 or any(kind == "bp" or kind.startswith("fold") for kind in kinds)
 
     def reversed(self) -> Branch[P]:
         """The branch from its last point to its first, tangents turned round. Where it ended, it starts: an ``end``."""
@@ -199,20 +219,35 @@ class BranchOptions:
 
     Attributes:
         path: steps and tolerances.
-        until: stop exactly where an observable, or ``mu_crit``, has a value.
-        folds: observables whose turning points are located.
+        until: stop exactly where an observable, ``mu_crit`` or ``wave`` has a value.
+        until_special: stop at the special point of a number (the first is 1) of a kind, as ``Branch.find`` takes it, counted
+            from the start, which is none.
+        folds: observables whose turning points are located, besides those of ``until_special``.
         limit: a reason to end at a point with its spectrum, or None.
         progress: called with the branch so far after each step, to show or to save it.
     """
 
     path: PathOptions = field(default_factory=PathOptions)
     until: Mapping[str, float] = field(default_factory=dict)
+    until_special: Mapping[str, int] = field(default_factory=dict)
     folds: Sequence[str] = ("lambda1", "lambda2", "v", "E")
     limit: Callable[[BranchPoint[Any]], str | None] = lambda point: None
     progress: Callable[[Branch[Any]], None] = lambda branch: None
 
+    @property
+    def watched(self) -> Sequence[str]:
+        """Observables whose turning points are located."""
+        asked = (kind.partition(":")[2] for kind in self.until_special if kind.startswith("fold:"))
+        return tuple(dict.fromkeys((*self.folds, *asked)))
 
-def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: bool = False) -> Branch[P]:
+
+def continue_branch(
+    start: Point[P],
+    options: BranchOptions,
+    *,
+    at_bifurcation: bool = False,
+    exact: Mapping[str, float] | None = None,
+) -> Branch[P]:
     """Follow a branch from a solution along its tangent, with stability and special points.
 
     Args:
@@ -220,9 +255,11 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
         options: steps, stopping conditions, what to watch.
         at_bifurcation: the start is a bifurcation point, and the tangent that of the branch wanted: its own neutral
             growth rates and turning points are no events.
+        exact: values of the start that are known, where its own have the error of a discretization.
 
     Returns:
-        The branch. It is whole up to its end whatever happens: a failing step is a ``reason``, an interruption too.
+        The branch. It is whole up to its end whatever happens: a failing step is a ``reason``, an interruption too. Where
+        the start has a wanted value, it is the start alone.
     """
     points: list[BranchPoint[P]] = []
     special: list[SpecialPoint[P]] = [SpecialPoint("start", 0)]
@@ -234,6 +271,8 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
         special.append(SpecialPoint(kind, len(points) - 1))
         return Branch(points, special, reason, kind == "stop")
 
+    if any(has_value(points[0], name, value, exact or {}) for name, value in options.until.items()):
+        return end("the start has the wanted value", "stop")
     try:
         points.append(_with_spectrum(start))
         path, tried = steps(start, options.path), math.inf
@@ -244,10 +283,10 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
             if wanted is not None and not wanted.converged:
                 return end("a wanted value lies just ahead, but could not be reached; take shorter steps")
             latest = _with_spectrum(point if wanted is None else wanted.point)
-            events = events_between(before, latest, options.folds, at_start)
+            events = events_between(before, latest, options.watched, at_start)
             length = _length(before.point, latest.point)
             shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
-            doubtful = any(_is_doubtful(event, point.problem) for event in events)
+            doubtful = any(_is_doubtful(event, point.problem, options.until_special) for event in events)
             if doubtful and shorter > 10 * options.path.min_step:
                 path, tried = steps(replace(before.point, step=shorter), options.path), shorter
                 continue
@@ -256,7 +295,15 @@ def continue_branch(start: Point[P], options: BranchOptions, *, at_bifurcation: 
             new, found = _placed(events, len(points), length)
             points += [*new, latest]
             special += found
+            asked = _asked(special, options.until_special)
+            if asked is not None:
+                del points[asked.index + 1 :]
+                special = [s for s in special if s.index <= asked.index]
             options.progress(Branch(points, special, "unfinished", False))
+            if asked is not None and asked.converged:
+                return end("the wanted special point is reached", "stop")
+            if asked is not None:
+                return end(f"the wanted {asked.kind} lies just before, but could not be located; take shorter steps")
             if any(event.kind == "bp" and event.change == 0 for event in events):
                 del points[-1]
                 return end(
@@ -292,16 +339,34 @@ def _left_behind(points: Sequence[BranchPoint[Any]], until: Mapping[str, float])
     """Observables that are nowhere as near to their wanted values as at the first of several points."""
     found = []
     for name, value in until.items():
-        values = [e.spectrum.mu_crit if name == "mu_crit" else e.observables[name] for e in points]
+        values = [value_of(e.point, name, e.spectrum) for e in points]
         gaps = [abs(at - value) for at in values]
         if len(gaps) > 1 and min(gaps[1:]) > gaps[0]:
             found.append(name)
     return found
 
 
-def _is_doubtful(event: Event[Any], problem: Any) -> bool:
-    """Whether an event speaks of a jump: stability to the solution's own kind changed, with no point where it does."""
-    return not event.converged and event.block == problem.own_block
+def _is_of_kind(kind: str, wanted: str) -> bool:
+    """Whether a special point's kind is the wanted one; ``fold`` are all folds."""
+    return kind == wanted or kind.split(":")[0] == wanted
+
+
+def _asked(special: Sequence[SpecialPoint[P]], until: Mapping[str, int]) -> SpecialPoint[P] | None:
+    """The first special point at which the branch was asked to stop, if it is among those so far."""
+    of_kinds = (
+        [s for s in special if _is_of_kind(s.kind, kind)][number - 1 : number] for kind, number in until.items()
+    )
+    return min((s for found in of_kinds for s in found), key=lambda s: s.index, default=None)
+
+
+def _is_doubtful(event: Event[Any], problem: Any, until: Mapping[str, int]) -> bool:
+    """Whether a shorter step is to show what an event is that was not located.
+
+    It may be of a kind that is asked for, or speak of a jump: stability to the solution's own kind changed, with no point
+    where it does.
+    """
+    asked = any(_is_of_kind(event.kind, kind) for kind in until)
+    return not event.converged and (asked or event.block == problem.own_block)
 
 
 def _length(first: Point[Any], last: Point[Any]) -> float:

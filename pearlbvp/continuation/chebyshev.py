@@ -20,6 +20,7 @@ from pearlbvp.continuation.interpolation import interpolate
 from pearlbvp.continuation.path import P, Point, correct
 from pearlbvp.continuation.problem import Array
 from pearlbvp.newton import NewtonOptions
+from pearlbvp.representation import brief
 
 Function = Callable[[P, Array], Array]
 
@@ -39,6 +40,8 @@ class PathFunctions:
         error: largest size of the last coefficients, relative to one plus the function: what is not resolved.
         solutions: number of solutions computed.
     """
+
+    __repr__ = brief
 
     coefficients: tuple[NDArray[np.float64], ...]
     error: float

@@ -6,6 +6,7 @@ In the problem's own block a rate changes its sign where the conserved quantity 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Generic
@@ -14,6 +15,7 @@ import numpy as np
 
 from pearlbvp.continuation.path import P, PathEnd, Point
 from pearlbvp.continuation.segment import Segment
+from pearlbvp.representation import brief
 
 if TYPE_CHECKING:
     from pearlbvp.continuation.branch import BranchPoint, Spectrum
@@ -29,6 +31,8 @@ def slopes(point: Point[P], names: Sequence[str], eps: float = 1e-5) -> dict[str
 @dataclass(frozen=True)
 class Event(Generic[P]):
     """Something found between two points: where, and what to write of it."""
+
+    __repr__ = brief
 
     s: float
     kind: str
@@ -85,16 +89,46 @@ def _is_symmetric(turn: Event[Any], last: BranchPoint[Any]) -> bool:
     return bool(np.abs(rates).min() < 1e-6)
 
 
+def value_of(point: Point[Any], name: str, spectrum: Spectrum | None = None) -> float:
+    """A number by which a branch can be asked to stop: an observable, ``mu_crit``, or ``wave``, which no step needs.
+
+    Args:
+        point: a solution.
+        name: of the number.
+        spectrum: the solution's, where it is known already.
+    """
+    if name == "mu_crit":
+        return float((spectrum or point.problem.spectrum(point.u)).mu_crit)
+    return float(point.problem.wave(point.u) if name == "wave" else point.observables[name])
+
+
+def has_value(entry: BranchPoint[P], name: str, value: float, exact: Mapping[str, float]) -> bool:
+    """Whether a solution has a value to within its accuracy: growth rates have their own, all others that of tables.
+
+    Args:
+        entry: the solution.
+        name, value: of the number.
+        exact: values of the solution that are known, where its own have the error of a discretization.
+    """
+    accuracy = SAME_VALUE * (1 + abs(value))
+    if name == "mu_crit":
+        accuracy = max(accuracy, entry.spectrum.residual)
+    found = (value_of(entry.point, name, entry.spectrum), exact.get(name, math.inf))
+    return min(abs(number - value) for number in found) <= accuracy
+
+
+SAME_VALUE = 1e-10
+"""Difference, by one plus its size, at which two values are one: tables have twelve digits, Newton's method eleven or more."""
+
+
 def first_wanted(first: BranchPoint[P], last: Point[P], until: Mapping[str, float]) -> Event[P] | None:
-    """The first place between two points where an observable (or ``mu_crit``) has its wanted value."""
+    """The first place between two points where a number has its wanted value."""
     segment = Segment(first.point, last)
     stops = []
     for name, value in until.items():
 
         def difference(point: Point[P], name: str = name, value: float = value) -> float:
-            problem: Any = point.problem
-            found = problem.spectrum(point.u).mu_crit if name == "mu_crit" else point.observables[name]
-            return float(found - value)
+            return value_of(point, name) - value
 
         ends = difference(first.point), difference(last)
         if ends[0] != 0 and ends[0] * ends[1] <= 0:

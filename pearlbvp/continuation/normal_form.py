@@ -19,6 +19,7 @@ import numpy as np
 
 from pearlbvp.continuation.crossing import crossing_direction
 from pearlbvp.continuation.problem import Array, Problem
+from pearlbvp.representation import brief
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,8 @@ class NormalForm:
         slope: change along the first branch by ``y``: 0 at a pitchfork, whose halves are images of each other.
         quadratic: of observables their change by ``y^2`` along the crossing branch; empty unless it is a pitchfork.
     """
+
+    __repr__ = brief
 
     direction: Array
     bend: Array

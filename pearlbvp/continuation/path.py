@@ -16,6 +16,7 @@ import numpy as np
 from pearlbvp.continuation.interpolation import interpolate
 from pearlbvp.continuation.problem import Array, Problem
 from pearlbvp.newton import NewtonOptions, NewtonResult, newton
+from pearlbvp.representation import brief
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,8 @@ class Point(Generic[P]):
         step: length of the step to try from here; 0 for that of the options.
     """
 
+    __repr__ = brief
+
     problem: P
     u: Array
     tangent: Array
@@ -76,6 +79,8 @@ class Path(Generic[P]):
         reason: why it ended: what ``stop`` said, ``max_points``, or what went wrong and what to try.
         complete: whether it ended because ``stop`` said so.
     """
+
+    __repr__ = brief
 
     points: list[Point[P]]
     reason: str

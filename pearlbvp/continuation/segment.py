@@ -15,6 +15,7 @@ from pearlbvp.continuation.interpolation import interpolate
 from pearlbvp.continuation.path import SAFETY, P, PathEnd, Point, correct
 from pearlbvp.continuation.problem import Array
 from pearlbvp.newton import NewtonOptions
+from pearlbvp.representation import brief
 
 BESIDE = 1e-9
 """Largest residual of a solution beside a branch point."""
@@ -30,6 +31,8 @@ class Segment(Generic[P]):
     Attributes:
         first, last: consecutive points of a path, possibly on different meshes.
     """
+
+    __repr__ = brief
 
     first: Point[P]
     last: Point[P]

@@ -19,6 +19,7 @@ import numpy as np
 from pearlbvp.continuation.branch import Branch, BranchOptions, SpecialPoint, continue_branch, start_point
 from pearlbvp.continuation.problem import Array
 from pearlbvp.continuation.switching import tangent_along
+from pearlbvp.representation import brief
 
 _EPS = 1e-5
 
@@ -70,6 +71,8 @@ class NeutralCondition:
         like: a spectrum that says how finely to resolve it.
     """
 
+    __repr__ = brief
+
     block: Any
     like: Any
 
@@ -94,10 +97,17 @@ class CurveOnSurface:
         condition: what holds on the curve.
     """
 
+    __repr__ = brief
+
     base: Any
     fixed: Array
     reference: Array
     condition: Condition
+
+    @property
+    def family(self) -> str:
+        """That of the base."""
+        return str(self.base.family)
 
     def curve_tangent(self, u: Array) -> Array:
         """Tangent, with inner product 1 with the reference, of the curve of fixed second parameter through ``u``."""
@@ -167,6 +177,10 @@ class CurveOnSurface:
         place = self.fixed.size - int(np.flatnonzero(self.fixed)[0])
         fixed[fixed.size - place] = 1.0
         return replace(self, base=base, fixed=fixed, reference=tangent), [u, *others_moved]
+
+    def wave(self, u: Array) -> float:
+        """That of the base."""
+        return float(self.base.wave(u))
 
     @property
     def own_block(self) -> Hashable:

@@ -17,25 +17,29 @@ from pearlbvp.units import RADII
 
 @own_style()
 def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFrame | None, title: str = "") -> Figure:
-    """Energy and pressure over the volume: predicted branches as lines, a computed one as points.
+    """Energy, pressure and wave ``2 A`` over the volume: predicted branches as lines, a computed one as points.
 
     Args:
         predicted: tables of predicted branches by name.
         computed: table of a computed one, drawn as far as the predictions go.
         title: of the picture.
     """
-    figure, (left, right) = new_figure(1, 2, width=9.5)
+    figure, (left, right, last) = new_figure(1, 3, width=13.5)
     for i, (name, table) in enumerate(predicted.items()):
         colour = COLOURS[i % len(COLOURS)]
         draw_curve(left, table, "v", "E", colour, f"{name}, predicted")
         draw_curve(right, table, "v", "lambda2", colour)
+        draw_curve(last, table, "v", "wave", colour)
     if computed is not None:
         volumes = np.concatenate([table["v"].to_numpy(float) for table in predicted.values()])
         near = computed[computed["v"].between(volumes.min(), volumes.max())]
         left.plot(near["v"], near["E"], ".", color="black", label="computed")
         right.plot(near["v"], near["lambda2"], ".", color="black")
+        if "wave" in near:
+            last.plot(near["v"], near["wave"], ".", color="black")
     dress(left, RADII.axis_label("v"), RADII.axis_label("E"), title)
     dress(right, RADII.axis_label("v"), RADII.axis_label("lambda2"), "dashed: unstable at fixed area and volume")
+    dress(last, RADII.axis_label("v"), RADII.axis_label("wave", "wave 2A"))
     add_legend(left, fontsize="small")
     return figure
 

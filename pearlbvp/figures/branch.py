@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.interpolate import PchipInterpolator
 
 from pearlbvp.continuation.branch import Branch, BranchPoint
 from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
@@ -18,10 +19,14 @@ from pearlbvp.units import RADII, Units
 def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, label: str | None = None) -> None:
     """One branch in one diagram: stable parts solid, unstable parts dashed, special points marked."""
     stable = (table["n_unstable"] == 0).to_numpy()
-    xs, ys = table[x].to_numpy(float), table[y].to_numpy(float)
+    if len(table) == 1:  # the end of a flow
+        axes.plot(table[x], table[y], "o", color=colour, markersize=4, label=label)
+        return
+    xs, ys = smooth(table[x].to_numpy(float), table[y].to_numpy(float))
+    stable_stretches = np.repeat(stable[1:] & stable[:-1], BETWEEN)
     for wanted, style in ((True, "-"), (False, "--")):
         # A stretch between two points is stable where neither of its ends is unstable.
-        pieces_x, pieces_y = _broken(xs, ys, (stable[1:] & stable[:-1]) == wanted)
+        pieces_x, pieces_y = _broken(xs, ys, stable_stretches == wanted)
         axes.plot(
             pieces_x,
             pieces_y,
@@ -34,6 +39,31 @@ def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, lab
         rows = table[table["special"].str.contains(kind)]
         if len(rows):
             axes.plot(rows[x], rows[y], marker, color=colour, markerfacecolor=face or colour, markersize=5)
+
+
+BETWEEN = 12
+"""Steps from one point of a branch to the next in a picture."""
+
+
+def smooth(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A smooth curve through the points of a polygon, ``BETWEEN`` steps from each to the next, in the box of both.
+
+    Both coordinates are monotone between neighbours as functions of the polygon's length (PCHIP), so that turning points stay
+    where they were located. Where a value is missing or a point repeats, the curve is interrupted.
+    """
+    size = max(float(np.ptp(x[np.isfinite(x)])), 1e-300), max(float(np.ptp(y[np.isfinite(y)])), 1e-300)
+    steps = np.hypot(np.diff(x) / size[0], np.diff(y) / size[1])
+    points, part = np.column_stack((x, y)), np.arange(BETWEEN)[:, None] / BETWEEN
+    pieces = points[:-1, None] + part * np.diff(points, axis=0)[:, None]
+    breaks = np.concatenate(([-1], np.flatnonzero(~(steps > 1e-12)), [len(steps)]))
+    for first, last in zip(breaks[:-1] + 1, breaks[1:], strict=True):
+        if last - first > 1:
+            at = np.concatenate(([0.0], np.cumsum(steps[first:last])))
+            between = PchipInterpolator(at, points[first : last + 1])
+            pieces[first:last] = between(at[:-1, None] + part.T * np.diff(at)[:, None])
+    found = np.concatenate((pieces.reshape(-1, 2), points[-1:]))
+    found[::BETWEEN] = points
+    return found[:, 0], found[:, 1]
 
 
 def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pandas as pd
+from matplotlib import colormaps
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.branch import draw_curve
@@ -33,4 +35,42 @@ def draw_diagram(table: pd.DataFrame, title: str = "", units: Units = RADII) -> 
     )
     note_unit(figure, units)
     add_legend(left, fontsize="small")
+    return figure
+
+
+FEW = 6
+"""Branches whose names fit into a picture; more stand beside it."""
+
+
+@own_style()
+def draw_plane(table: pd.DataFrame, x: str, y: str, title: str = "", units: Units = RADII) -> Figure:
+    """Any two columns of several branches, unstable parts dashed, special points marked.
+
+    Args:
+        table: of a diagram, with a column ``branch``.
+        x, y: columns.
+        title: of the picture.
+        units: of the table.
+    """
+    names = list(dict.fromkeys(table["branch"]))
+    beside = len(names) > FEW
+    figure, axes = new_figure(1, 1, width=9.5 if beside else 7.0, height=4.8)
+    several = colormaps["turbo"].resampled(len(names) + 2)
+    for i, name in enumerate(names):
+        colour = COLOURS[i] if len(names) <= len(COLOURS) else to_hex(several(i + 1))
+        draw_curve(axes, table[table["branch"] == name], x, y, colour, str(name))
+    dress(
+        axes,
+        units.axis_label(x, x),
+        units.axis_label(y, y),
+        title or "dashed: unstable; circles: branch points; crosses: folds",
+    )
+    note_unit(figure, units)
+    if beside:
+        figure.subplots_adjust(right=0.8)
+        axes.legend(
+            frameon=False, fontsize="x-small", loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=1 + len(names) // 26
+        )
+    else:
+        add_legend(axes, fontsize="small")
     return figure

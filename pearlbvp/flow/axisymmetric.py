@@ -28,6 +28,7 @@ from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
 from pearlbvp.flow.problem import Array, Law, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
+from pearlbvp.representation import brief
 from pearlbvp.units import Sentence
 
 MOST_POINTS = 1024
@@ -107,6 +108,8 @@ class GraphFlow:
     Raises:
         InputError: an argument that cannot be used.
     """
+
+    __repr__ = brief
 
     c0: float
     length: float

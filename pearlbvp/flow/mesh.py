@@ -28,6 +28,7 @@ from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.sections import distances, radii
 from pearlbvp.mesh.spectrum import Fixed, independent
+from pearlbvp.representation import brief
 from pearlbvp.units import Sentence
 
 UNRESOLVED = 0.45
@@ -72,6 +73,8 @@ class MeshFlow:
     Raises:
         InputError: an argument that cannot be used.
     """
+
+    __repr__ = brief
 
     reference: MeshProblem
     law: Law = "area and volume"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.representation import brief
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,6 +42,8 @@ class Frame:
         problem, q: its discretization and coordinates.
     """
 
+    __repr__ = brief
+
     t: float
     problem: Any
     q: Array
@@ -59,6 +62,9 @@ class Record:
     start: tuple[float, float]
     rows: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in COLUMNS})
     frames: list[Frame] = field(default_factory=list)
+
+    def __repr__(self) -> str:
+        return f"Record({len(self.rows['t'])} rows, {len(self.frames)} frames)"
 
     def add(self, t: float, problem: FlowProblem, q: Array, multipliers: Array, velocity: float) -> dict[str, float]:
         """Write down a step; returns its observables."""
@@ -103,6 +109,8 @@ class Equilibrium:
         message: empty, or why Newton's method failed.
     """
 
+    __repr__ = brief
+
     problem: Any
     q: Array
     multipliers: Array
@@ -138,6 +146,8 @@ class FlowState:
         record: all that came before.
     """
 
+    __repr__ = brief
+
     problem: Any
     t: float
     q: Array
@@ -165,6 +175,9 @@ class FlowResult:
     reason: str
     advice: str = ""
     equilibrium: Equilibrium | None = None
+
+    def __repr__(self) -> str:
+        return f"FlowResult({self.status} at t = {self.state.t:.6g}, {self.state.record!r}: {self.reason})"
 
     def table(self) -> pd.DataFrame:
         """A row for every accepted step."""

@@ -20,6 +20,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.flow.problem import Array, Law, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
 from pearlbvp.flow.tensor import DISPLACEMENT, FIELDS, Tensor
+from pearlbvp.representation import brief
 from pearlbvp.tube.density import gradients, hessians
 from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Mode
@@ -46,6 +47,8 @@ class TubeFlow:
     Raises:
         InputError: an argument that cannot be used.
     """
+
+    __repr__ = brief
 
     c0: float
     length: float

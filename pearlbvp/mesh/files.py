@@ -63,28 +63,35 @@ def writable_mesh(name: str, path: str | os.PathLike[str]) -> Path:
     return checked
 
 
-def write_mesh(mesh: PeriodicMesh, path: str | os.PathLike[str], data: Mapping[str, Array] | None = None) -> None:
+def write_mesh(
+    mesh: PeriodicMesh,
+    path: str | os.PathLike[str],
+    data: Mapping[str, Array] | None = None,
+    *,
+    name: str = "out",
+) -> None:
     """Write one period of a mesh; corners in the next period get vertices of their own.
 
     Args:
         mesh: its vertices on the surface.
         path: ending in ``.vtu``, ``.ply`` or ``.obj``.
         data: values at the vertices by name, shape (V,); only VTU and PLY keep them.
+        name: the argument's name, for the message.
 
     Raises:
         InputError: another ending, or a place that cannot be written to.
     """
-    path = writable("out", path)
-    kind = _format("out", path)
+    path = writable(name, path)
+    kind = _format(name, path)
     mesh = mesh.reduced()
     pairs, corners = np.unique(
         np.column_stack((mesh.triangles.ravel(), mesh.wraps.ravel())), axis=0, return_inverse=True
     )
     points = mesh.vertices[pairs[:, 0]]
     points[:, 0] += mesh.length * pairs[:, 1]
-    values = {} if kind == "obj" else {name: np.asarray(value)[pairs[:, 0]] for name, value in (data or {}).items()}
+    values = {} if kind == "obj" else {key: np.asarray(value)[pairs[:, 0]] for key, value in (data or {}).items()}
     made = meshio.Mesh(points, [("triangle", corners.reshape(-1, 3).astype(np.int32))], point_data=values)
-    write_whole("out", path, lambda temporary: meshio.write(temporary, made, file_format=kind))
+    write_whole(name, path, lambda temporary: meshio.write(temporary, made, file_format=kind))
 
 
 def read_mesh(path: str | os.PathLike[str], length: float) -> PeriodicMesh:

@@ -26,6 +26,7 @@ from pearlbvp.mesh.operators import barycentric_mass, vertex_normals, volume_gra
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
 from pearlbvp.mesh.polyhedron import star_sums
 from pearlbvp.mesh.subdivision import Patches, limit_matrix, patches
+from pearlbvp.representation import brief
 
 Kind = Literal["subdivision", "cotangent"]
 
@@ -45,6 +46,8 @@ class Functional:
         mesh: the triangles; its vertices are the reference only.
         kind: the discretization.
     """
+
+    __repr__ = brief
 
     mesh: PeriodicMesh
     kind: Kind = "subdivision"

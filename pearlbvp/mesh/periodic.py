@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
+from pearlbvp.representation import brief
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -70,6 +71,8 @@ class PeriodicMesh:
     Raises:
         InputError: it is no oriented manifold tube, or has slivers; the message names the first offending element.
     """
+
+    __repr__ = brief
 
     vertices: Array
     triangles: Integers

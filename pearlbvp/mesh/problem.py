@@ -30,6 +30,7 @@ from pearlbvp.mesh.adaptation import (
     satisfied,
     spread_out,
 )
+from pearlbvp.mesh.amplitudes import largest_wave
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
@@ -39,6 +40,7 @@ from pearlbvp.mesh.spectrum import Fixed, MeshBlock, MeshSpectrum, Modes, indepe
 from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.mesh.symmetry import mean, orbits
 from pearlbvp.newton import NewtonOptions
+from pearlbvp.representation import brief
 
 PINS = 16
 """Vertices held in the factorization: more than there are near kernels, few enough to cost nothing."""
@@ -67,7 +69,10 @@ class MeshProblem:
         orbits: number of each vertex's orbit under the symmetry that the surface keeps, shape (V,); None without one.
     """
 
+    __repr__ = brief
+
     stored_as: ClassVar[str] = "mesh"
+    family: ClassVar[str] = "mesh"
 
     mesh: PeriodicMesh
     phases: Array
@@ -166,6 +171,10 @@ class MeshProblem:
             "lambda1": float(u[-3]), "lambda2": float(u[-2]), "v": float(u[-1]), "E": float(energy / area),
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,
         }  # fmt: skip
+
+    def wave(self, u: Array) -> float:
+        """``2 A`` of the largest wave (``projection``)."""
+        return largest_wave(self.functional, self.vertices(u))
 
     @property
     def own_block(self) -> MeshBlock:

@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 from pearlbvp.mesh.operators import vertex_normals
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
 from pearlbvp.mesh.subdivision import limit_matrix
+from pearlbvp.representation import brief
 
 
 class Feet(NamedTuple):
@@ -44,6 +45,8 @@ class Samples:
         surface: the fine mesh, its vertices on the surface.
         matrix: values at its vertices of a field given at the vertices of the mesh, shape (M, V).
     """
+
+    __repr__ = brief
 
     surface: PeriodicMesh
     matrix: sparse.csr_matrix

@@ -21,6 +21,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from pearlbvp.bordered import Bordered, Pinned
 from pearlbvp.mesh.periodic import Array, Integers
 from pearlbvp.mesh.symmetry import mean
+from pearlbvp.representation import brief
 
 Fixed = Literal["area and volume", "area"]
 
@@ -59,6 +60,8 @@ class MeshSpectrum:
         complete: whether the number of positive ones is that of the inertia.
         residual: error of the rates: the largest rate, in size, of the rigid motions, which are neutral.
     """
+
+    __repr__ = brief
 
     rates: Mapping[MeshBlock, Array]
     complete: bool = True
@@ -128,6 +131,8 @@ class Modes:
         unstable: number of positive rates in all blocks together, by inertia.
         residual: as in ``MeshSpectrum``.
     """
+
+    __repr__ = brief
 
     rates: dict[MeshBlock, Array]
     vectors: dict[MeshBlock, Array]

@@ -19,6 +19,7 @@ import numpy as np
 from scipy import sparse
 
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
+from pearlbvp.representation import brief
 
 DERIVATIVES = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 """Orders by ``v`` and ``w`` of the six fields: the point, both tangents, the three second derivatives."""
@@ -41,6 +42,8 @@ class Patches:
         weight: area in the parameter plane that each point stands for.
     """
 
+    __repr__ = brief
+
     start: Integers
     index: Integers
     weights: Array
@@ -51,6 +54,8 @@ class Patches:
 @dataclass(frozen=True)
 class Topology:
     """What subdivision needs of a mesh; attributes as those of ``PeriodicMesh``."""
+
+    __repr__ = brief
 
     count: int
     triangles: Integers

@@ -26,6 +26,7 @@ from pearlbvp.collocation import (
 from pearlbvp.collocation.polynomial import all_points, extremes
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.helfrich import SHORT_WAVE, Tube, cylinder_lambda1
+from pearlbvp.representation import brief
 from pearlbvp.shapes import axisymmetric, tension
 from pearlbvp.shapes.cells import HALF_CELL, HALF_CELL_TENSION, full_cell
 from pearlbvp.stability.bloch import Fixed, SecondVariation
@@ -55,7 +56,10 @@ class PearlProblem:
             and multipliers are measured along branches.
     """
 
+    __repr__ = brief
+
     stored_as: ClassVar[str] = "pearl"
+    family: ClassVar[str] = "pearl"
 
     discretization: Discretization
     reference: PiecewisePolynomial | None
@@ -203,6 +207,12 @@ class PearlProblem:
         return free.index(name) - len(free)
 
     def wave(self, u: Array) -> float:
+        """``2 A`` of the largest wave (``projection``): of equal pearls the first, of a localized one what it is made of."""
+        profile = self.profile(u)
+        waves = max(16, math.ceil(3 * profile.period / (2 * math.pi)))
+        return profile.projection().wave(2 * math.pi / profile.period, (waves, 0))
+
+    def straightness(self, u: Array) -> float:
         """Difference of the radii at the two ends of the first half period: it changes sign where pearls become straight."""
         radii = self.discretization.values(u)[:, 0]
         return float(radii[0] - radii[-1 if self.half else len(radii) // 2])

@@ -36,6 +36,8 @@ from pearlbvp.collocation import (
 from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.helfrich import Tube
+from pearlbvp.projection import of_section
+from pearlbvp.representation import brief
 from pearlbvp.stability.bloch import Fixed
 from pearlbvp.stability.planar import PlanarBlock, PlanarSpectrum, PlaneProfile, planar_rates, planar_spectrum
 from pearlbvp.theory.elastica import lobes
@@ -103,7 +105,10 @@ class RingProblem:
         fixed: what perturbations keep, for stability.
     """
 
+    __repr__ = brief
+
     stored_as: ClassVar[str] = "ring"
+    family: ClassVar[str] = "ring"
 
     discretization: Discretization
     n: int
@@ -244,6 +249,13 @@ class RingProblem:
         """The cross-section at ``x`` (they are all alike) as a closed curve in the plane: ``y`` and ``z``."""
         curve = self.outline(u, points)
         return curve.real, curve.imag
+
+    def wave(self, u: Array) -> float:
+        """``2 A`` of the largest wave (``projection``): the first of the lobes."""
+        profile, points = self.profile(u), 256 * self.n
+        sigma = (np.arange(points) + 0.5) * 2 * self.n / points  # a waist that touches the centre is none of them
+        step = 1j * np.exp(1j * profile.at(sigma)[:, 0]) * 2 * math.pi / points
+        return of_section(profile.curve(sigma), step).wave(0.0, (0, 4 * self.n))
 
     def first_integral_spread(self, u: Array) -> float:
         """Largest minus smallest ``kappa'^2 + kappa^4/4 - a kappa^2 - 2 p kappa`` at the mesh points: a free error measure."""

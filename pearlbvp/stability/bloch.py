@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.representation import brief
 from pearlbvp.stability.profile import Profile, curvatures
 
 Fixed = Literal["area and volume", "area", "nothing"]
@@ -100,6 +101,8 @@ class SecondVariation:
         psi: tangent angle.
         symmetric: whether the points mirror each other, so that waves have parities.
     """
+
+    __repr__ = brief
 
     xi_period: float
     r: Array

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.errors import SpectrumError
+from pearlbvp.representation import brief
 from pearlbvp.stability.bloch import Fixed, restrict, waves
 from pearlbvp.stability.spectrum import Spectrum, kernel_residual
 
@@ -50,6 +51,8 @@ class PlaneProfile:
         n: number of lobes.
         c0, lambda1, lambda2: parameters and multipliers with which the cylinder over it is an equilibrium.
     """
+
+    __repr__ = brief
 
     states: Callable[[Array], Array]
     n: int
@@ -130,6 +133,8 @@ class PlanarVariation:
         profile: what is perturbed.
         psi, kappa, slope: its states at the points ``(i + 1/2)/count`` of a lobe, shape (count,).
     """
+
+    __repr__ = brief
 
     profile: PlaneProfile
     psi: Array
@@ -219,6 +224,8 @@ class PlanarSpectrum(Spectrum):
 
     Attributes: as ``Spectrum`` has them; ``points`` are those of a lobe.
     """
+
+    __repr__ = brief
 
     block: ClassVar[Any] = PlanarBlock
 

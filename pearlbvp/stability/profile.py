@@ -8,6 +8,8 @@ import numpy as np
 
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.projection import Projection
+from pearlbvp.representation import brief
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,8 @@ class Profile:
         c0, lambda1, lambda2: the parameters and multipliers with which it is an equilibrium.
         period: axial length of the whole period.
     """
+
+    __repr__ = brief
 
     states: PiecewisePolynomial
     arclength: float
@@ -48,6 +52,12 @@ class Profile:
         whole = self.mirrored()
         slopes = PiecewisePolynomial(whole.states.mesh, np.cos(whole.states.values[:, 1:2]))
         return whole.arclength * slopes.integral()[:, 0], whole.states.values[:, 0]
+
+    def projection(self) -> Projection:
+        """The whole period over the straight tube."""
+        states, (x, r) = self.mirrored().states, self.outline()
+        share = states.weights * np.cos(states.values[:, 1])
+        return Projection(x, np.zeros_like(x), r, share / share.sum())
 
     def surface(self, around: int = 48) -> tuple[Array, Array, Array]:
         """Points of the surface, to draw or to export: ``x, y, z``, each of shape (K, around + 1), closed around."""
@@ -76,6 +86,8 @@ class Curvatures:
         along, around: principal curvatures ``kappa_s`` and ``kappa_phi = cos psi / r``.
         gauss: their product.
     """
+
+    __repr__ = brief
 
     r: Array
     b: Array

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.errors import SpectrumError
+from pearlbvp.representation import brief
 from pearlbvp.stability.bloch import Fixed, SecondVariation, isothermal_points, restrict
 from pearlbvp.stability.profile import Profile
 
@@ -107,6 +108,8 @@ class Spectrum:
         points: Fourier points of a period.
         complete: whether all unstable waves are among them; else more wind around the tube than were looked at.
     """
+
+    __repr__ = brief
 
     rates: dict[Any, Array]
     residual: float

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,8 @@ from pearlbvp.continuation.path import Point
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, positive
 from pearlbvp.numbers import as_numbers
+from pearlbvp.progress import progress as progress_bar
+from pearlbvp.representation import brief
 from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation, exchange_lengths, meeting_c0
 from pearlbvp.theory.dispersion import Mode, critical_lambda2, growth_rate, stable_interval
 
@@ -75,6 +77,10 @@ class Prediction:
         tube = self.equation.tube
         return self.equation.at(self.family, float(u[0])) | {"c0": tube.c0, "L": tube.length}
 
+    def wave(self, u: Array) -> float:
+        """``2 A``."""
+        return 2 * float(u[0])
+
 
 @dataclass(frozen=True)
 class PredictedSpectrum:
@@ -87,6 +93,8 @@ class PredictedSpectrum:
         critical: whose it is.
         residual: error of the rates, which a prediction does not know.
     """
+
+    __repr__ = brief
 
     rates: Mapping[str, Array]
     n_unstable: int
@@ -163,6 +171,10 @@ def predicted_branch(
 
 
 COMPARED = ("lambda1", "lambda2", "E")
+"""Columns that a computed branch must have to be compared."""
+
+WAVE = "wave"
+"""Column that is compared where the computed branch has it: ``2 A``."""
 
 
 def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -> pd.DataFrame:
@@ -177,7 +189,8 @@ def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -
         A row a computed point off the cylinder, on the side where the branch is predicted: ``A``, ``v``, of ``lambda1,
         lambda2, E`` the computed and the predicted value, the difference relative to the change since the onset
         (``..._error``), and the order in ``A`` at which that error falls between this row and the one before (``..._order``):
-        2 for the multipliers, 4 for the energy, whose predictions are right to the square and to the fourth power.
+        2 for the multipliers, 4 for the energy, whose predictions are right to the square and to the fourth power. Where the
+        table has the column ``wave``, the same of that and ``2 A``, at last: 2.
 
     Raises:
         InputError: a column is missing, the table is of another tube or mode, or no point can be compared.
@@ -205,9 +218,10 @@ def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -
         side = "above" if equation.a < 0 else "below"
         raise InputError(f"compare: the table has no point with v {side} 1, where the {family} branch is")
     A, rows = A[chosen], table[chosen]
-    predicted = pd.DataFrame([equation.at(family, float(a)) for a in A])
+    predicted = pd.DataFrame([equation.at(family, float(a)) | {WAVE: 2 * float(a)} for a in A])
+    cylinder[WAVE] = 0.0
     result = pd.DataFrame({"A": A, "v": rows["v"].to_numpy(float)})
-    for name in COMPARED:
+    for name in (*COMPARED, *([WAVE] if WAVE in rows else [])):
         computed = rows[name].to_numpy(float)
         error = np.abs(predicted[name].to_numpy() - computed) / np.abs(computed - cylinder[name])
         result[name], result[f"{name}_predicted"], result[f"{name}_error"] = computed, predicted[name], error
@@ -221,12 +235,15 @@ MAP_COLUMNS = ["c0", "L", "lower_mode", "lower_lambda2", "lower_criticality", "u
                "upper_type", "upper_criticality", "stable", "message"]  # fmt: skip
 
 
-def instability_map(c0: str | float | Iterable[float], lengths: str | float | Iterable[float]) -> pd.DataFrame:
+def instability_map(
+    c0: str | float | Iterable[float], lengths: str | float | Iterable[float], *, progress: bool | None = None
+) -> pd.DataFrame:
     """Which mode destabilizes each tube at either end of its stable interval, and what branches off there.
 
     Args:
         c0: spontaneous curvatures: a number, several, or a text like ``-1:0.48:0.02``.
         lengths: axial periods, likewise.
+        progress: show a bar on standard error (``None``: if that is a terminal).
 
     Returns:
         A row a tube: of the lower end (pearling) and the upper end the mode ``m:n``, its ``lambda2``, whether its branch is
@@ -238,32 +255,37 @@ def instability_map(c0: str | float | Iterable[float], lengths: str | float | It
     """
     import pandas as pd
 
+    tubes = [Tube(value, length) for value in as_numbers("c0", c0) for length in as_numbers("lengths", lengths)]
     rows = []
-    for curvature in as_numbers("c0", c0):
-        for length in as_numbers("lengths", lengths):
-            tube = Tube(curvature, length)
-            row: dict[str, Any] = dict.fromkeys(MAP_COLUMNS, "") | {
-                "c0": tube.c0, "L": tube.length, "lower_lambda2": math.nan, "upper_lambda2": math.nan,
-            }  # fmt: skip
-            rows.append(row)
-            interval = stable_interval(tube)
-            if not interval.exists:
-                row["message"] = "the straight tube is stable nowhere"
-                continue
-            for end, mode in (("lower", interval.lower_mode), ("upper", interval.upper_mode)):
-                if mode is None:
-                    continue
-                row[f"{end}_mode"] = f"{mode[0]}:{mode[1]}"
-                row[f"{end}_lambda2"] = interval.lower if end == "lower" else interval.upper
-                try:
-                    equation = amplitude_equation(tube, mode)
-                except InputError as error:
-                    row["message"] = str(error)
-                    continue
-                row[f"{end}_criticality"] = criticality(equation)
-                if end == "upper":
-                    row["upper_type"], row["stable"] = equation.kind, equation.preferred
+    with progress_bar("tube", len(tubes), shown=progress) as bar:
+        for tube in tubes:
+            rows.append(_instabilities(tube))
+            bar.update()
     return pd.DataFrame(rows, columns=MAP_COLUMNS)
+
+
+def _instabilities(tube: Tube) -> dict[str, Any]:
+    """One row of the map."""
+    row: dict[str, Any] = dict.fromkeys(MAP_COLUMNS, "") | {
+        "c0": tube.c0, "L": tube.length, "lower_lambda2": math.nan, "upper_lambda2": math.nan,
+    }  # fmt: skip
+    interval = stable_interval(tube)
+    if not interval.exists:
+        return row | {"message": "the straight tube is stable nowhere"}
+    for end, mode in (("lower", interval.lower_mode), ("upper", interval.upper_mode)):
+        if mode is None:
+            continue
+        row[f"{end}_mode"] = f"{mode[0]}:{mode[1]}"
+        row[f"{end}_lambda2"] = interval.lower if end == "lower" else interval.upper
+        try:
+            equation = amplitude_equation(tube, mode)
+        except InputError as error:
+            row["message"] = str(error)
+            continue
+        row[f"{end}_criticality"] = criticality(equation)
+        if end == "upper":
+            row["upper_type"], row["stable"] = equation.kind, equation.preferred
+    return row
 
 
 def exchange_curve(c0: str | float | Iterable[float], mode: Mode = (1, 1)) -> pd.DataFrame:
@@ -279,29 +301,39 @@ def exchange_curve(c0: str | float | Iterable[float], mode: Mode = (1, 1)) -> pd
     return pd.DataFrame(rows, columns=["c0", "L", "lambda2"])
 
 
-def meeting_points(c0: str | Iterable[float], lengths: str | float | Iterable[float]) -> pd.DataFrame:
+def meeting_points(
+    c0: str | Iterable[float], lengths: str | float | Iterable[float], *, progress: bool | None = None
+) -> pd.DataFrame:
     """Tubes on which two modes become critical at once at an end of the stable interval: points of codimension two.
 
     Args:
         c0: curvatures between which they are looked for, increasing and dense enough to separate them.
         lengths: axial periods.
+        progress: show a bar on standard error (``None``: if that is a terminal).
 
     Returns:
         A row a meeting: ``L, c0, end, lambda2, mode, other``; at ``c0`` itself both modes are neutral at ``lambda2``.
     """
     import pandas as pd
 
-    rows = []
-    values = sorted(as_numbers("c0", c0))
-    for length in as_numbers("lengths", lengths):
-        intervals = [stable_interval(Tube(value, length)) for value in values]
-        for low, high, left, right in zip(values, values[1:], intervals, intervals[1:], strict=False):
-            for end in ("lower", "upper"):
-                one, other = getattr(left, f"{end}_mode"), getattr(right, f"{end}_mode")
-                if one is None or other is None or one == other or not (left.exists and right.exists):
-                    continue
-                place = meeting_c0(one, other, length)
-                if low <= place <= high:
-                    lambda2 = float(critical_lambda2(2 * math.pi * one[0] / length, one[1], place))
-                    rows.append((length, place, end, lambda2, f"{one[0]}:{one[1]}", f"{other[0]}:{other[1]}"))
+    values, tubes = sorted(as_numbers("c0", c0)), as_numbers("lengths", lengths)
+    rows: list[tuple[Any, ...]] = []
+    with progress_bar("length", len(tubes), shown=progress, doing="meetings") as bar:
+        for length in tubes:
+            rows += _meetings(values, length)
+            bar.update()
     return pd.DataFrame(rows, columns=["L", "c0", "end", "lambda2", "mode", "other"])
+
+
+def _meetings(values: Sequence[float], length: float) -> Iterator[tuple[Any, ...]]:
+    """The rows of one length."""
+    intervals = [stable_interval(Tube(value, length)) for value in values]
+    for low, high, left, right in zip(values, values[1:], intervals, intervals[1:], strict=False):
+        for end in ("lower", "upper"):
+            one, other = getattr(left, f"{end}_mode"), getattr(right, f"{end}_mode")
+            if one is None or other is None or one == other or not (left.exists and right.exists):
+                continue
+            place = meeting_c0(one, other, length)
+            if low <= place <= high:
+                lambda2 = float(critical_lambda2(2 * math.pi * one[0] / length, one[1], place))
+                yield length, place, end, lambda2, f"{one[0]}:{one[1]}", f"{other[0]}:{other[1]}"

@@ -24,12 +24,17 @@ from pearlbvp.theory.dispersion import critical_lambda2
 from pearlbvp.units import Sentence
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
-           "critical", "c0", "L", "mu_error"]  # fmt: skip
-STOPS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L", "mu_crit")
+           "critical", "c0", "L", "mu_error", "wave"]  # fmt: skip
+TURNS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L")
+"""Columns whose turning points can be located."""
+
+STOPS = (*TURNS, "mu_crit", "wave")
 """Columns at a value of which a branch can stop."""
 
 NO_SHAPE = 1e-3
 """Amplitude up to which the shape of least energy is the straight tube: of others the volume is at least 5e-7 from 1."""
+SPECIAL = ("bp", "cmc", "fold", *(f"fold:{name}" for name in TURNS))
+"""Kinds of special points at which a branch can stop."""
 
 LONGEST_PEARL = 1000.0
 """Longest period of a branch of pearls: its meshes grow with it."""
@@ -46,7 +51,9 @@ def branch_options(
     """Options of a branch of any family.
 
     Args:
-        until: column and value at which to stop exactly; several may be given, the first reached counts.
+        until: column and value at which to stop exactly, or kind and number of a special point: ``{"v": 1.1}``,
+            ``{"bp": 1}`` for the first branch point, ``{"fold:v": 2}``, ``{"cmc": 1}``, ``{"fold": 1}`` for the first fold of
+            any. Special points are counted from where the branch goes on. Several may be given, the first reached counts.
         max_points: end after so many.
         step, max_step: first (by default 0.1 or ``max_step``) and largest step, in the norm of shape and parameters.
         progress: called with the branch so far after each step.
@@ -55,9 +62,13 @@ def branch_options(
         InputError: an argument that cannot be used.
     """
     wanted = {name: finite(f"until {name}", value) for name, value in (until or {}).items()}
+    special = {kind: _number(kind, wanted.pop(kind)) for kind in list(wanted) if kind in SPECIAL}
     for name in wanted:
         if name not in STOPS:
-            raise InputError(f"until: a branch cannot stop at a value of {name!r}; choose one of {', '.join(STOPS)}")
+            raise InputError(
+                f"until: a branch cannot stop at a value of {name!r}; choose one of {', '.join(STOPS)}, or one of the special "
+                "points bp, cmc, fold:NAME"
+            )
     if max_points < 2:
         raise InputError(f"max_points: {max_points} must be 2 or more; the first is the start")
     if not max_step > 1e-6:
@@ -68,7 +79,18 @@ def branch_options(
         raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}; give one between")
 
     path = PathOptions(step=step, max_step=max_step, max_points=max_points)
-    return BranchOptions(path=path, until=wanted, limit=limit, progress=progress)
+    return BranchOptions(path=path, until=wanted, until_special=special, limit=limit, progress=progress)
+
+
+def _number(kind: str, value: float) -> int:
+    """The number of a special point.
+
+    Raises:
+        InputError: it is no whole number from 1 on.
+    """
+    if value != int(value) or value < 1:
+        raise InputError(f"until: {value:g} is no number of a {kind}; count them from 1")
+    return int(value)
 
 
 def pearl_branch(
@@ -257,10 +279,10 @@ def followed(
     if not found[number - 1].converged:
         raise InputError(f"follow: {kind} number {number} was not located; follow the branch in shorter steps")
     start = branch.at(found[number - 1]).point
-    sign = math.copysign(1.0, start.problem.wave(start.u))
+    sign = math.copysign(1.0, start.problem.straightness(start.u))
 
     def excess(point: Point[CurveOnSurface]) -> float:
-        return sign * float(point.problem.base.wave(point.u)) - STRAIGHT_WAVE
+        return sign * float(point.problem.base.straightness(point.u)) - STRAIGHT_WAVE
 
     def bounded(point: BranchPoint[CurveOnSurface]) -> str | None:
         return STRAIGHT if excess(point.point) < 0 else options.limit(point)
@@ -274,7 +296,7 @@ def followed(
 STRAIGHT = "the shapes become the straight tube; beyond, the curve would repeat their mirror images"
 
 STRAIGHT_WAVE = 0.02
-"""Amplitude (``wave`` of the problems) of shapes that are called straight. What the curve leads to differs by its square.
+"""Amplitude (the problems' ``straightness``) of shapes that are called straight. What the curve leads to differs by its square.
 
 Nearer, the conditions of what happens at onset, which are proportional to the amplitude or its square, fade.
 """

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pearlbvp.continuation.branch import Branch, BranchOptions
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, finite
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.branch import COLUMNS, branch_options, pearl_branch
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.studies.ring import ring_branch
 from pearlbvp.studies.saved import kind_of, switched
@@ -29,6 +29,9 @@ ENDS = {"pearl": 1.1, "ring": 0.85, "coil": 0.85, "buckle": 0.85, MIXED: 0.9}
 """Reduced volume at which branches of a family end unless asked otherwise. Mixed ones need modes both ways, and many."""
 
 Options = BranchOptions | Mapping[str, BranchOptions] | None
+
+MOST_NAMED = 14
+"""Branches that a session shows by name."""
 
 MOST_BRANCHES = 200
 """Largest number of branches from the cylinder."""
@@ -48,13 +51,23 @@ class Diagram:
     branches: dict[str, Branch[Any]]
     skipped: dict[str, str]
 
+    def __repr__(self) -> str:
+        rows = [f"  {name}: {len(branch.points)} points, {branch.reason}" for name, branch in self.branches.items()]
+        more = [f"  and {len(rows) - MOST_NAMED} more"] if len(rows) > MOST_NAMED else []
+        head = f"diagram of {len(rows)} branches, {len(self.skipped)} branch points skipped"
+        return "\n".join([head, *rows[:MOST_NAMED], *more])
+
     def table(self) -> pd.DataFrame:
         """All tables under one another, with the branch's name in the first column."""
-        import pandas as pd
+        return together(self.branches)
 
-        tables = [branch.table().assign(branch=name) for name, branch in self.branches.items()]
-        table = pd.concat(tables, ignore_index=True)
-        return table[["branch", *(name for name in table if name != "branch")]]
+
+def together(branches: Mapping[str, Branch[Any]]) -> pd.DataFrame:
+    """Tables of several branches under one another: ``branch``, the branch's name, then ``studies.branch.COLUMNS``."""
+    import pandas as pd
+
+    tables = [branch.table()[COLUMNS].assign(branch=name) for name, branch in branches.items()]
+    return pd.concat(tables, ignore_index=True)[["branch", *COLUMNS]]
 
 
 def diagram(

@@ -26,6 +26,7 @@ from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.start import straight
+from pearlbvp.representation import brief
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.mesh import NODES, SMALLEST_AMPLITUDE, meshed, shape_mesh
@@ -46,6 +47,8 @@ class FlowStart:
         problem: the semi-discrete flow.
         q, multipliers: the shape, as exact an equilibrium of the discretization as Newton's method makes it.
     """
+
+    __repr__ = brief
 
     problem: Any
     q: Array

@@ -21,6 +21,7 @@ from pearlbvp.continuation.chebyshev import PathFunctions, Unresolved, resolve
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, positive
 from pearlbvp.numbers import as_numbers
+from pearlbvp.representation import brief
 from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
 from pearlbvp.stability.floquet import alternating_determinants, multipliers
 from pearlbvp.stability.spectrum import spectrum
@@ -73,6 +74,8 @@ class PeriodicPearls:
         functions: ``lambda1, lambda2, v, E``, the squared amplitude, the sum of ``alternating_determinants`` and
             ``2 cos(theta)`` along the path.
     """
+
+    __repr__ = brief
 
     c0: float
     period: float

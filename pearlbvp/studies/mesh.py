@@ -15,7 +15,7 @@ from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, con
 from pearlbvp.continuation.path import Point
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube
+from pearlbvp.helfrich import Tube, cylinder_energy, cylinder_lambda1
 from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.families import Surface, carried, tube_mesh
 from pearlbvp.mesh.functional import Functional, Kind
@@ -25,7 +25,7 @@ from pearlbvp.mesh.spectrum import Fixed
 from pearlbvp.mesh.start import Form, equilibrium, onset
 from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.branch import branch_options, numbered
-from pearlbvp.theory.dispersion import Mode
+from pearlbvp.theory.dispersion import Mode, critical_lambda2
 
 NODES = 3000
 """Vertices of a mesh by default: four digits of the branch points of the straight tube."""
@@ -74,7 +74,16 @@ def mesh_branch(
     )
     problem = replace(problem, adapt=adapt or AdaptOptions(), fixed=fixed).symmetric(u, direction)
     start = start_point(problem, u, direction)
-    return continue_branch(start, options or branch_options(), at_bifurcation=True)
+    exact = straight_values(tube, float(critical_lambda2(tube.wave_number(mode[0]), mode[1], tube.c0)))
+    return continue_branch(start, options or branch_options(), at_bifurcation=True, exact=exact)
+
+
+def straight_values(tube: Tube, lambda2: float) -> dict[str, float]:
+    """The straight tube's own numbers, which a mesh of it has to its accuracy only."""
+    return {
+        "lambda1": cylinder_lambda1(lambda2, tube.c0), "lambda2": lambda2, "v": 1.0, "E": cylinder_energy(tube.c0),
+        "amplitude": 0.0, "r_min": 1.0, "r_max": 1.0, "wave": 0.0,
+    }  # fmt: skip
 
 
 def meshed(
@@ -122,7 +131,7 @@ def shape_mesh(point: BranchPoint[Any] | Point[Any], nodes: int | PeriodicMesh =
     if isinstance(point.problem, MeshProblem):
         return point.problem.surface(point.u)
     length = point.observables["L"]
-    surface = _surface(point.problem, point.u)
+    surface = surface_points(point.problem, point.u)
     if isinstance(nodes, PeriodicMesh):
         return carried(nodes, surface)
     turns = point.problem.symmetry.turns if point.problem.stored_as == "tube" else 0
@@ -197,7 +206,7 @@ def mesh_switched(
     return switch(branch, numbered(branch, number), options, grow=grow)
 
 
-def _surface(problem: Any, u: Array) -> Surface:
+def surface_points(problem: Any, u: Array) -> Surface:
     """Points of a computed shape by two parameters: ``x``, from 0 to the length, and ``phi``."""
     if problem.stored_as == "pearl":
         return _of_profile(problem.profile(u))

@@ -17,6 +17,7 @@ from pearlbvp.continuation.segment import Segment
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, positive
 from pearlbvp.numbers import as_numbers
+from pearlbvp.progress import progress as progress_bar
 from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
 from pearlbvp.studies.localized import THINNEST_NECK, PeriodicPearls
 from pearlbvp.theory.dispersion import stable_interval
@@ -147,8 +148,6 @@ def pearl_periods(
     Raises:
         InputError: an argument that cannot be used.
     """
-    from tqdm import tqdm  # a tenth of a second to import, and only scans need it
-
     lengths = as_numbers("lengths", lengths)
     if v is not None and positive("v", v) == 1:
         raise InputError("v: at v = 1 all pearls are the cylinder; give a volume above or below")
@@ -156,8 +155,7 @@ def pearl_periods(
     if processes is not None and (not isinstance(processes, int) or processes < 1):
         raise InputError(f"processes: {processes!r} must be a whole number, 1 or more")
     rows: list[dict[str, object]] = []
-    bar = tqdm(total=len(cases), unit="tube", disable=None if progress is None else not progress, file=sys.stderr)
-    with bar:
+    with progress_bar("tube", len(cases), shown=progress) as bar:
         try:
             for row in scan(cases, processes):
                 rows.append(row)

@@ -39,13 +39,26 @@ def sample(family: str, c0: float, length: float, name: str) -> tuple[str, float
     return known
 
 
+def special_place(branch: Branch[Any], name: str) -> int | None:
+    """The place of a special point of a branch among its points, or None where it has none of that name.
+
+    Args:
+        branch: of any family.
+        name: ``bp``, ``bp:2``, ``fold:v``, ``fold:v:2``, ``start``, ``end``: kind and number, the first where none is given.
+    """
+    kind, _, number = name.rpartition(":")
+    kind, count = (kind, int(number)) if kind and number.isdigit() else (name, 1)
+    places = [special.index for special in branch.find(kind)]
+    return places[count - 1] if 1 <= count <= len(places) else None
+
+
 def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
     """A point of a branch.
 
     Args:
         branch: of pearls, rings, coils or buckles.
-        name: its number (negative: from the end), or ``NAME=VALUE`` for the first place where a column has a value, or one
-            of the paper's names (``SAMPLES``).
+        name: its number (negative: from the end), ``NAME=VALUE`` for the first place where a column has a value, a special
+            point (``bp``, ``fold:v:2``), or one of the paper's names (``SAMPLES``).
         family: of the branch.
 
     Raises:
@@ -61,6 +74,9 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
             raise InputError(f"point: there is no point {number}; the branch has points 0 to {len(points) - 1}")
         return points[number]
     column, equals, text = name.partition("=")
+    place = special_place(branch, name)
+    if place is not None:
+        return points[place]
     if equals:
         value = finite("point", text)  # type: ignore[arg-type]
     else:

@@ -18,17 +18,20 @@ SAME = 1e-6
 """Relative difference at which two numbers are one: tables differ in their digits."""
 
 
-def read_reference(path: str | os.PathLike[str], columns: Sequence[str] | None = None) -> pd.DataFrame:
+def read_reference(
+    path: str | os.PathLike[str], columns: Sequence[str] | None = None, optional: Sequence[str] = ()
+) -> pd.DataFrame:
     """A CSV file with a header, all of numbers; lines that begin with ``#`` are comments.
 
     Args:
         path: of the file.
         columns: those that are wanted; others are not looked at, and may be of words.
+        optional: those that are taken, too, where they are there.
 
     Raises:
         InputError: it cannot be read, a line is not of as many numbers as the header has names, or a column is missing.
     """
-    return pd.DataFrame(read_table("compare", path, columns))
+    return pd.DataFrame(read_table("compare", path, columns, optional=optional))
 
 
 def beside(table: pd.DataFrame, reference: pd.DataFrame) -> pd.DataFrame:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from pearlbvp.errors import InputError
 from pearlbvp.numbers import as_numbers
+from pearlbvp.progress import progress as progress_bar
 from pearlbvp.studies.localized import localized_rows
 
 if TYPE_CHECKING:
@@ -18,7 +19,11 @@ if TYPE_CHECKING:
 
 
 def stability_region(
-    c0: float, periods: float | str | Iterable[float], pearls: str | Iterable[float] = (2, 3, 4, 6, 8, 16)
+    c0: float,
+    periods: float | str | Iterable[float],
+    pearls: str | Iterable[float] = (2, 3, 4, 6, 8, 16),
+    *,
+    progress: bool | None = None,
 ) -> pd.DataFrame:
     """Upper ends of the stable range of periodic pearls, over the period, for several numbers of pearls.
 
@@ -26,6 +31,7 @@ def stability_region(
         c0: spontaneous curvature.
         periods: axial periods of one pearl, above ``2 pi``: a number, several, or a text like ``6.6:10:0.1``.
         pearls: numbers of pearls on the tube, 2 or more.
+        progress: show a bar on standard error (``None``: if that is a terminal).
 
     Returns:
         A row a period and number, with the columns of ``localized_pearls``. Where ``status`` is ``found`` the pearls are
@@ -43,6 +49,9 @@ def stability_region(
             "pearls: the numbers must be whole and 2 or more; one pearl has no others to lose its stability to"
         )
     rows: list[dict[str, object]] = []
-    for period in as_numbers("periods", periods):
-        rows += localized_rows(c0, period, [count * period for count in counts])
+    values = as_numbers("periods", periods)
+    with progress_bar("period", len(values), shown=progress) as bar:
+        for period in values:
+            rows += localized_rows(c0, period, [count * period for count in counts])
+            bar.update()
     return pd.DataFrame(rows)

@@ -71,7 +71,7 @@ def ring_resumed(branch: Branch[RingProblem], options: BranchOptions) -> Branch[
     if last.observables["gap"] < TOUCHING:
         raise InputError("resume: the branch ends where the ring touches itself, so nothing follows; branch off before")
     whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
-    return branch.extended(_to_contact(last, whole, at_bifurcation=len(branch.points) == 1))
+    return branch.extended(_to_contact(last, whole, at_bifurcation=branch.ends_at_bifurcation))
 
 
 def ring_switched(

@@ -20,6 +20,7 @@ from pearlbvp.collocation.scheme import Array
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, finite
 from pearlbvp.numbers import as_numbers
+from pearlbvp.representation import brief
 from pearlbvp.stability.planar import MOST_WAVES, PlanarBlock, PlanarVariation, PlaneProfile, classes_of, resolved
 from pearlbvp.theory.elastica import ElasticRing, lobes, ring_at_angle, touching_ring
 
@@ -75,6 +76,8 @@ class ExactRings:
         c0: spontaneous curvature.
         n: number of lobes.
     """
+
+    __repr__ = brief
 
     c0: float
     n: int

@@ -66,10 +66,8 @@ def kind_of(branch: Branch[Any]) -> str:
 
 
 def family_of(branch: Branch[Any]) -> str:
-    """``pearl``, ``ring``, ``coil`` (and what branches off from coils) or ``buckle`` (and all other tubes)."""
-    if kind_of(branch) != "tube":
-        return kind_of(branch)
-    return "coil" if branch.points[-1].point.problem.symmetry.turns else "buckle"
+    """``pearl``, ``ring``, ``coil`` (and what branches off from coils), ``buckle`` (and all other tubes) or ``mesh``."""
+    return str(branch.points[-1].point.problem.family)
 
 
 def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
@@ -83,20 +81,25 @@ def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
     if len(branch.points) == 1 and branch.complete:  # where a flow ended: it has no direction yet
         branch = replace(branch, points=[_towards(branch.points[0], options.until)])
-        return branch.extended(continue_branch(branch.points[0].point, whole))
-    at_bifurcation = len(branch.points) == 1
-    return branch.extended(continue_branch(branch.points[-1].point, whole, at_bifurcation=at_bifurcation))
+    return branch.extended(continue_branch(branch.points[-1].point, whole, at_bifurcation=branch.ends_at_bifurcation))
 
 
 def _towards(entry: BranchPoint[Any], until: Mapping[str, float]) -> BranchPoint[Any]:
-    """A point with its tangent turned to where the first of some wanted values lies, if it is not one of stability."""
+    """A point with its tangent turned to where the first of some wanted values lies, if it is not one of stability.
+
+    Where branches cross, every observable turns, and their two directions have the same shapes.
+    """
     point = entry.point
     for name, value in until.items():
         if name in point.observables:
             ahead, behind = (point.problem.observables(point.u + s * point.tangent)[name] for s in (1e-5, -1e-5))
-            turned = (ahead - behind) * (value - point.observables[name]) < 0
+            turned = abs(ahead - behind) > TURNING and (ahead - behind) * (value - point.observables[name]) < 0
             return replace(entry, point=replace(point, tangent=-point.tangent)) if turned else entry
     return entry
+
+
+TURNING = 1e-12
+"""Difference of an observable over 2e-5 of arclength that is the rounding of one that turns."""
 
 
 def switched(

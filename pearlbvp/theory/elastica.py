@@ -35,6 +35,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk, ellipkinc, elliprj
 
 from pearlbvp.errors import InputError
+from pearlbvp.representation import brief
 
 Array = NDArray[np.float64]
 
@@ -64,6 +65,8 @@ class ElasticRing:
         theta: the angle that says which of the rings it is; from ``arcsin(1/n)`` (the circle) up.
         k: modulus of the elliptic functions.
     """
+
+    __repr__ = brief
 
     n: int
     theta: float

@@ -17,6 +17,7 @@ from itertools import combinations
 import numpy as np
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.representation import brief
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.symmetry import ODD_B, ODD_P, ODD_PHI, ODD_X, PARITIES, TubeSymmetry
 from pearlbvp.tube.torus import Complex, Integers, TorusFunction
@@ -46,6 +47,8 @@ class StandardPosition:
         across: in ``y`` and ``z``, in radii.
         mirrored: whether it is the mirror image: coils of the other handedness are.
     """
+
+    __repr__ = brief
 
     symmetry: TubeSymmetry
     known: Mapping[Mode, float]

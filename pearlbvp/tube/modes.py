@@ -6,7 +6,7 @@ A cross-section is ``P(x, phi) = e^{i kappa x} (d(x) + sigma(x, phi) e^{i phi})`
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.representation import brief
 
 Part = Literal["sigma", "y", "z"]
 
@@ -89,6 +90,8 @@ class Basis:
         fields: of each mode at each point, shape (K, 10, N).
     """
 
+    __repr__ = brief
+
     modes: tuple[Mode, ...]
     k: float
     kappa: float
@@ -124,6 +127,32 @@ class Basis:
         return np.array(
             [(1.0 if m.p == 0 or m.along == "exp" else 0.5) * (1.0 if m.b == 0 else 0.5) for m in self.modes]
         )
+
+
+def sections(known: Mapping[Mode, float], k: float, kappa: float, x: Array, phi: Array) -> NDArray[np.complex128]:
+    """Points ``P(x, phi)`` of a sum of modes on a grid, in the plane across the axis: shape (len(x), len(phi)).
+
+    Args:
+        known: coefficients by mode, none of them a Bloch wave.
+        k, kappa: unit of the wave numbers along the tube, and the rate at which the frame turns.
+        x, phi: places along and around the tube.
+    """
+    most_p, most_b = (
+        max(int(number) for number in numbers) for numbers in zip(*((m.p, m.b) for m in known), strict=True)
+    )
+    centre = np.zeros((2, most_p + 1), dtype=complex)
+    radius = np.zeros((2, most_p + 1, 2, most_b + 1))
+    for mode, value in known.items():
+        place = int(mode.along == "sin"), int(mode.p)
+        if mode.part == "sigma":
+            radius[(*place, int(mode.around == "sin"), mode.b)] = value
+        else:
+            centre[place] += value if mode.part == "y" else 1j * value
+    angles = [np.outer(np.arange(most_p + 1), k * x), np.outer(np.arange(most_b + 1), phi)]
+    along, around = (np.concatenate((np.cos(angle), np.sin(angle))) for angle in angles)
+    radii = along.T @ radius.reshape(len(along), len(around)) @ around
+    moved = (centre.ravel() @ along)[:, None] + radii * np.exp(1j * phi)
+    return np.asarray(np.exp(1j * kappa * x)[:, None] * moved)
 
 
 def grid(points_x: int, points_phi: int, length_x: float, length_phi: float, *, halved: bool) -> tuple[Array, Array]:

@@ -15,13 +15,16 @@ from itertools import product
 from typing import Any, ClassVar, NamedTuple, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import SHORT_WAVE
+from pearlbvp.projection import of_section
+from pearlbvp.representation import brief
 from pearlbvp.tube.extremes import extremes
-from pearlbvp.tube.modes import Basis, Mode
+from pearlbvp.tube.modes import Mode, sections
 from pearlbvp.tube.rigid import rigid_motions
 from pearlbvp.tube.spectrum import Equilibrium, Fixed, TubeSpectrum, block_rates
 from pearlbvp.tube.symmetry import TubeBlock, TubeSymmetry, ellipse
@@ -67,6 +70,8 @@ class TubeProblem:
         lambda1, lambda2, v: the tube's, where they are not free.
     """
 
+    __repr__ = brief
+
     stored_as: ClassVar[str] = "tube"
 
     symmetry: TubeSymmetry
@@ -80,6 +85,11 @@ class TubeProblem:
     lambda1: float = 0.0
     lambda2: float = 0.0
     v: float = 1.0
+
+    @property
+    def family(self) -> str:
+        """``coil`` (and what branches off from coils) or ``buckle`` (and all other tubes)."""
+        return "coil" if self.symmetry.turns else "buckle"
 
     def parameters(self, u: Array) -> TubeParameters:
         """Multipliers and parameters of an unknown: its own where they are free, else the problem's."""
@@ -335,7 +345,7 @@ class TubeProblem:
         coefficients = self.coefficients(direction)
         return bool(coefficients[np.abs(coefficients).argmax()] > 0)
 
-    def wave(self, u: Array) -> float:
+    def straightness(self, u: Array) -> float:
         """A number that changes its sign where a ring, coil, buckle or pearl becomes the straight tube; 1 of other tubes."""
         mode = self.symmetry.onset_mode
         return 1.0 if mode is None else self.known(u)[mode]
@@ -454,14 +464,27 @@ class TubeProblem:
             around: points of each section.
         """
         length = self.parameters(u).length
-        k, kappa = 2 * math.pi / length, 2 * math.pi * self.symmetry.turns / length
         x = np.linspace(0, length, max(2, round(12 * length)) + 1) if x is None else x
-        phi = np.linspace(0, 2 * math.pi, around + 1)
-        xs, phis = np.meshgrid(x, phi, indexing="ij")
-        basis = Basis.of(self.modes, k, kappa, xs.ravel(), phis.ravel())
-        moved = basis.displacement() @ self.coefficients(u)  # turned by e^{-i(kappa x + phi)}
-        plane = (moved[:, 0] + 1j * moved[:, 1]) * np.exp(1j * (kappa * xs.ravel() + phis.ravel()))
-        return xs, plane.real.reshape(xs.shape), plane.imag.reshape(xs.shape)
+        plane = self._sections(u, x, np.linspace(0, 2 * math.pi, around + 1))
+        return np.repeat(x[:, None], around + 1, axis=1), plane.real, plane.imag
+
+    def _sections(self, u: Array, x: Array, phi: Array) -> NDArray[np.complex128]:
+        """Points of the surface in planes across the axis, shape (len(x), len(phi))."""
+        k = 2 * math.pi / self.parameters(u).length
+        return sections(self.known(u), k, self.symmetry.turns * k, x, phi)
+
+    def wave(self, u: Array) -> float:
+        """``2 A`` of the largest wave (``projection``): near the straight tube that of the mode in which it leaves that."""
+        period, fold = self._units
+        turns, around = self.symmetry.turns, max(fold * self.size[1], 1)
+        most = (period * self.size[0] + turns * around if period else 0), around  # else all sections are alike
+        length, (along, about) = self.parameters(u).length, (3 * number + 8 for number in most)
+        x = length * np.arange(along) / along if period else np.zeros(1)
+        phi = 2 * math.pi * np.arange(about) / about
+        curve = self._sections(u, x, phi)
+        by_phi = np.fft.ifft(1j * np.fft.fftfreq(len(phi), 1 / len(phi)) * np.fft.fft(curve))
+        projected = of_section(curve, by_phi * 2 * math.pi / len(phi), x[:, None])
+        return projected.wave(2 * math.pi / length, most, turning=not period and turns > 0)
 
     def to_tree(self) -> dict[str, Any]:
         """Everything as arrays, numbers and words, to be saved."""

@@ -17,6 +17,7 @@ from scipy.linalg import cholesky, eigh, solve_triangular
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.errors import SpectrumError
+from pearlbvp.representation import brief
 from pearlbvp.stability.spectrum import ROUNDING
 from pearlbvp.tube.density import gradients, hessians
 from pearlbvp.tube.symmetry import TubeBlock
@@ -47,6 +48,8 @@ class TubeSpectrum:
         kernel: largest error of a rigid motion as a kernel: 0 on an exact solution, and the error of all rates.
         complete: whether all unstable perturbations were counted.
     """
+
+    __repr__ = brief
 
     rates: Mapping[TubeBlock, Array]
     kernel: float
@@ -118,6 +121,8 @@ class Equilibrium:
         kappa: rate at which the frame turns.
         c0, lambda1, lambda2: of the equilibrium.
     """
+
+    __repr__ = brief
 
     cell: Cell
     fields: Array

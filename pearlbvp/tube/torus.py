@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pearlbvp.representation import brief
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.symmetry import product_modes
 
@@ -47,6 +48,8 @@ class TorusFunction:
         p, b: wave numbers along and around, shape (M,).
         c: coefficients, shape (M,).
     """
+
+    __repr__ = brief
 
     p: Integers
     b: Integers

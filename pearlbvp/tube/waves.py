@@ -19,6 +19,7 @@ from scipy.sparse import csc_array, csr_array
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.compiled import compiled
+from pearlbvp.representation import brief
 from pearlbvp.tube.modes import Mode
 
 Complex = NDArray[np.complex128]
@@ -58,6 +59,8 @@ class Waves:
         kappa: rate at which the frame turns.
         p, b: wave numbers, shape (Q,).
     """
+
+    __repr__ = brief
 
     k: float
     kappa: float
@@ -208,6 +211,8 @@ class ModeWaves:
         waves: those that they are sums of; other modes may share them.
         coefficients: ``C``, shape (Q, modes).
     """
+
+    __repr__ = brief
 
     modes: tuple[Mode, ...]
     waves: Waves

@@ -1,0 +1,158 @@
+"""``pearlbvp diagram``."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pearlbvp.commands.arguments import ModeNumbers, Number, Until, wanted_places
+from pearlbvp.commands.branch import given_options
+from pearlbvp.commands.command import Command
+from pearlbvp.commands.output import check_distinct, check_outputs, outputs, radius_option, write
+from pearlbvp.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from pearlbvp.units import Units
+
+
+@click.command(
+    cls=Command,
+    epilog="Examples:  pearlbvp diagram b.h5 l.h5 --x v --y E --plot d.png  |  "
+    "pearlbvp diagram --c0 0.48 --length 15 --depth 1 --out t.csv --plot d.png  |  "
+    "pearlbvp diagram --c0 0 --length 10 --depth 0 --mode 1,0 --mode 1,1 --mode 0,2 --processes 2 --plot d.png",
+)
+@click.argument("files", type=click.Path(path_type=Path), nargs=-1, metavar="[FILE.h5 ...]")
+@click.option("--x", default="v", show_default=True, metavar="COLUMN", help="Drawn to the right: any column.")
+@click.option("--y", default="E", show_default=True, metavar="COLUMN", help="Drawn upwards: any column.")
+@click.option("--c0", type=Number(), help="Without files: spontaneous curvature.")
+@click.option("--length", type=Number(), metavar="L", help="Without files: axial period of the tube.")
+@click.option(
+    "--depth",
+    type=click.IntRange(min=0),
+    default=1,
+    show_default=True,
+    help="Without files: 0 for branches from the straight tube, 1 for those that cross them, too, and so on.",
+)
+@click.option(
+    "--mode", "modes", type=ModeNumbers(), multiple=True,
+    help="Without files: follow every family of these modes.  [default: all pearls of k < 1]",
+)  # fmt: skip
+@click.option(
+    "--until", type=Until(), multiple=True,
+    help="Without files: where every branch stops.  [default: pearls at v=1.1, mixed tubes at 0.9, others at 0.85]",
+)  # fmt: skip
+@click.option("--processes", type=click.IntRange(min=1), help="Without files: how many.  [default: one a core]")
+@outputs
+@radius_option
+def diagram(
+    files: tuple[Path, ...],
+    x: str,
+    y: str,
+    c0: float | None,
+    length: float | None,
+    depth: int,
+    modes: tuple[tuple[int, int], ...],
+    until: tuple[tuple[str, float], ...],
+    processes: int | None,
+    out: Path | None,
+    plot: Path | None,
+    units: Units,
+) -> int:
+    """Several branches in one table and one picture: saved ones, or all that leave the straight tube, to a depth.
+
+    Columns: branch (the file's name; 3 for three pearls, coil 1:1, 3/1 for what leaves 3 at its first branch point), then
+    those of `branch`. Unstable parts are dashed; circles are branch points, crosses folds.
+    """
+    out, plot = check_outputs(out, plot)
+    for file in files:
+        check_distinct({"FILE": Path(os.path.realpath(file)), "--out": out, "--plot": plot})
+    idle = sorted(given_options(click.get_current_context()) & {"c0", "length", "depth", "modes", "until", "processes"})
+    if files and idle:
+        name = "mode" if idle[0] == "modes" else idle[0]
+        raise InputError(f"--{name}: it is for branches that are computed; leave it or the files out")
+    if not files and (c0 is None or length is None):
+        raise InputError("FILE, --c0, --length: give saved branches, or c0 and length of a tube")
+    _check_columns(x, y)
+    if files:
+        table = _saved(files)
+    else:
+        table = _computed(c0, length, depth, modes, until, processes, units)  # type: ignore[arg-type]
+    table = units.columns(table)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.diagram import draw_plane
+
+        return draw_plane(table, x, y, units=units)
+
+    return write(table, out, plot, draw)
+
+
+def _check_columns(*names: str) -> None:
+    """Refuse what is no column with numbers.
+
+    Raises:
+        InputError: the option, and the columns that there are.
+    """
+    from pearlbvp.studies.branch import COLUMNS
+
+    numbers = [name for name in COLUMNS if name not in ("point", "special", "critical")]
+    for option, name in zip(("--x", "--y"), names, strict=True):
+        if name not in numbers:
+            raise InputError(f"{option}: {name!r} is no column with numbers; choose one of {', '.join(numbers)}")
+
+
+def _saved(files: tuple[Path, ...]) -> pd.DataFrame:
+    """Saved branches under one another, each by the shortest part of its path that is its own."""
+    from pearlbvp.studies import saved
+    from pearlbvp.studies.diagram import together
+
+    stems = [file.stem for file in files]
+    names = [file.stem if stems.count(file.stem) == 1 else str(file) for file in files]
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise InputError(f"FILE: {twice} is given twice; give it once")
+    return together({name: saved.load(file, "FILE") for name, file in zip(names, files, strict=True)})
+
+
+def _computed(
+    c0: float,
+    length: float,
+    depth: int,
+    modes: tuple[tuple[int, int], ...],
+    until: tuple[tuple[str, float], ...],
+    processes: int | None,
+    units: Units,
+) -> pd.DataFrame:
+    """All branches of a tube to a depth.
+
+    Raises:
+        InputError: an argument that cannot be used, or there are none.
+    """
+    from pearlbvp.progress import progress
+
+    with progress("branch") as bar:
+        from pearlbvp.studies.branch import branch_options
+        from pearlbvp.studies.diagram import diagram as study
+
+        tube = units.tube(c0, length)
+        options: Any = branch_options(wanted_places(until, units)) if until else None
+
+        def follow(name: str) -> None:
+            bar.set_description(name, refresh=False)
+            bar.update()
+
+        found = study(
+            tube.c0, tube.length, depth, options, follow, modes=list(modes) or None, processes=processes or 0
+        )  # fmt: skip
+    for name, why in found.skipped.items():
+        print(f"pearlbvp: {name} was not followed: {why}", file=sys.stderr)
+    if not found.branches:
+        raise InputError("--mode: no branch could be followed; choose other modes, or another length")
+    return found.table()

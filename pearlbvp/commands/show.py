@@ -1,0 +1,196 @@
+"""``pearlbvp show``."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pearlbvp.commands.branch import given_options
+from pearlbvp.commands.command import Command
+from pearlbvp.commands.output import (
+    DONE,
+    check_distinct,
+    check_ending,
+    check_outputs,
+    outputs,
+    radius_option,
+    write,
+    write_table,
+)
+from pearlbvp.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from pearlbvp.units import Units
+
+SURFACES = (".csv", ".obj", ".ply", ".vtu")
+"""Endings of files with surfaces."""
+
+
+@click.command(
+    cls=Command,
+    epilog="Examples:  pearlbvp show b.h5  |  pearlbvp show b.h5 --plot b.png  |  "
+    "pearlbvp show b.h5 --point bp --profile p.csv  |  pearlbvp show k.h5 --point v=0.95 --surface k.vtu",
+)
+@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.h5")
+@click.option(
+    "--point",
+    metavar="K|NAME=VALUE|KIND:K",
+    help="Of which point: its number, a column's value, or a special point (bp, fold:v:2).  [default: the last]",
+)
+@click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv", help="Write the point's profile there.")
+@click.option(
+    "--surface",
+    type=click.Path(path_type=Path),
+    metavar="FILE.csv|.obj|.ply|.vtu",
+    help="Write the point's surface there: as a grid of points, or as triangles.",
+)
+@click.option(
+    "--samples",
+    type=click.IntRange(min=4),
+    default=400,
+    show_default=True,
+    help="With --profile: steps of a period, or around a section.",
+)
+@click.option(
+    "--nodes", type=click.IntRange(min=20), default=3000, show_default=True, help="With --surface: points, about."
+)
+@outputs
+@radius_option
+def show(
+    file: Path,
+    point: str | None,
+    profile: Path | None,
+    surface: Path | None,
+    samples: int,
+    nodes: int,
+    out: Path | None,
+    plot: Path | None,
+    units: Units,
+) -> int:
+    """Show a saved branch, the end of a flow, or a saved flow, without computing anything.
+
+    The table is that of `branch`; on standard error stand the family, special points, and why the branch ends. A point's
+    profile has the columns x, r, psi (angle of the tangent), H (mean curvature) on the whole tube; that of a ring is its
+    section, y, z, psi, H; that of a coil its section at x = 0, y, z. A surface in CSV is a grid: x, y, z, i (along the tube), j
+    (around it).
+
+    Only computed points are shown: where NAME=VALUE lies between two, the nearer one is taken, which is said.
+    """
+    from pearlbvp.files import writable
+
+    out, plot = check_outputs(out, plot)
+    check_ending("--surface", surface, SURFACES)
+    check_ending("--profile", profile, (".csv",))
+    profile = None if profile is None else writable("--profile", profile)
+    surface = None if surface is None else writable("--surface", surface)
+    check_distinct(
+        {
+            "FILE": Path(os.path.realpath(file)),
+            "--out": out,
+            "--plot": plot,
+            "--profile": profile,
+            "--surface": surface,
+        }
+    )
+    given = given_options(click.get_current_context())
+    for name, needed in (("point", ("profile", "surface")), ("samples", ("profile",)), ("nodes", ("surface",))):
+        if name in given and not given & set(needed):
+            raise InputError(f"--{name}: it goes with --{' or --'.join(needed)}; give that too, or leave it out")
+    from pearlbvp.flow.checkpoint import KIND
+    from pearlbvp.hdf5 import kind_of
+
+    if kind_of("FILE", file) == KIND:
+        shape = next((name for name in ("profile", "surface") if name in given), None)
+        if shape is not None:
+            raise InputError(
+                f"--{shape}: {file} is a saved flow, which has none; write its end with pearlbvp flow --resume {file} "
+                "--save-end E.h5, and show that"
+            )
+        return _flow(file, out, plot, units)
+    return _branch(file, point or "-1", profile, surface, samples, nodes, out, plot, units)
+
+
+def _branch(
+    file: Path,
+    point: str,
+    profile: Path | None,
+    surface: Path | None,
+    samples: int,
+    nodes: int,
+    out: Path | None,
+    plot: Path | None,
+    units: Units,
+) -> int:
+    """Show a saved branch."""
+    from pearlbvp.continuation.description import described
+    from pearlbvp.studies import export, saved
+    from pearlbvp.studies.branch import COLUMNS
+
+    branch = saved.load(file, "FILE")
+    table = units.columns(branch.table()[COLUMNS])
+    others: list[Callable[[], object]] = []
+    note = ""
+    if profile is not None or surface is not None:
+        index, note = export.stored(branch, units.place_from_user(point))
+        at = branch.points[index].point
+        if profile is not None:
+            rows = units.columns(export.profile_table(at, samples))
+            others.append(lambda: write_table("--profile", profile, rows))
+        if surface is not None:
+            others.append(_surface_writer(at, nodes, surface, units))
+
+    def draw() -> Figure:
+        from pearlbvp.figures.branch import draw_branch
+
+        return draw_branch(branch, table, units=units)
+
+    status = write(table, out, plot, draw, others)
+    if note:
+        print(f"pearlbvp: {units.said(note)}", file=sys.stderr)
+    print(described(branch, units), file=sys.stderr)
+    return status
+
+
+def _surface_writer(at: Any, nodes: int, path: Path, units: Units) -> Callable[[], object]:
+    """What writes a point's surface as the ending says."""
+    if path.suffix.lower() in ("", ".csv"):
+        from pearlbvp.studies.export import surface_table
+
+        rows = units.columns(surface_table(at, nodes))
+        return lambda: write_table("--surface", path, rows)
+    from pearlbvp.mesh.files import write_mesh
+    from pearlbvp.studies.mesh import shape_mesh
+
+    mesh = units.surface(shape_mesh(at, nodes))
+    return lambda: write_mesh(mesh, path, name="--surface")
+
+
+def _flow(file: Path, out: Path | None, plot: Path | None, units: Units) -> int:
+    """Show a saved flow."""
+    from pearlbvp.studies.flow import load
+
+    state = load(file)
+    units = units.of_flow(state.problem.law)
+    table = units.columns(state.record.table())
+
+    def draw() -> Figure:
+        from pearlbvp.figures.flow import draw_flow
+
+        return draw_flow(state, table, units=units)
+
+    write(table, out, plot, draw)
+    model = getattr(state.problem, "reference", state.problem)  # of a flow on a mesh, that knows the model
+    c0, length = units.to_user("c0", model.c0), units.to_user("L", model.length)
+    print(
+        f"a flow, saved at t = {units.to_user('t', state.t):.8g}: {len(table)} steps, c0 = {c0:.8g}, L = {length:.8g}\n"
+        f"  it goes on with pearlbvp flow --resume {file}, which can save its end (--save-end)",
+        file=sys.stderr,
+    )
+    return DONE

@@ -1,0 +1,153 @@
+"""Shapes of saved branches as tables: the curve that a surface is made of, or points on it. Nothing is solved for it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pearlbvp.collocation import PiecewisePolynomial
+from pearlbvp.collocation.scheme import Array
+from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.events import SAME_VALUE, value_of
+from pearlbvp.continuation.path import Point
+from pearlbvp.errors import InputError
+from pearlbvp.helfrich import finite
+from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.stability.profile import Profile
+from pearlbvp.studies.branch import STOPS
+from pearlbvp.studies.mesh import NODES, surface_points
+from pearlbvp.studies.point import special_place
+
+SAMPLES = 400
+"""Points of a curve: on a period of an axisymmetric shape, around a section."""
+
+
+def stored(branch: Branch[Any], name: str) -> tuple[int, str]:
+    """Which computed point of a branch is meant; none is computed.
+
+    Args:
+        branch: of any family.
+        name: a point's number (negative: from the end), a special point (``bp``, ``bp:2``, ``fold:v``, ``start``, ``end``,
+            ``stop``), or ``NAME=VALUE`` for the point that has a column's value, or else is next to where it is first passed.
+
+    Returns:
+        Its number, and a sentence where it does not have the value itself, else nothing.
+
+    Raises:
+        InputError: there is no such point.
+    """
+    last = len(branch.points) - 1
+    if name.lstrip("+-").isdigit():
+        if not -last - 1 <= int(name) <= last:
+            raise InputError(f"point: there is no point {int(name)}; the branch has points 0 to {last}")
+        return int(name) % (last + 1), ""
+    column, equals, text = name.partition("=")
+    if not equals:
+        place = special_place(branch, name)
+        if place is None:
+            kinds = ", ".join(dict.fromkeys(special.kind for special in branch.special))
+            raise InputError(
+                f"point: {name!r} is no point of this branch; give a number, NAME=VALUE like v=1.02, or one of its special "
+                f"points ({kinds}; bp:2 is the second)"
+            )
+        return place, ""
+    column, value = column.strip(), finite("point", text)  # type: ignore[arg-type]
+    if column not in STOPS:
+        raise InputError(f"point: {column!r} is no column with numbers of a shape; choose one of {', '.join(STOPS)}")
+    found = [value_of(entry.point, column, entry.spectrum) for entry in branch.points]
+    at = _nearest(found, value)
+    if at is None:
+        known = [number for number in found if not math.isnan(number)]
+        raise InputError(
+            f"point: {column} = {value:g} is not reached on this branch, where it goes from {min(known):.6g} to "
+            f"{max(known):.6g}; give a value between, or follow the branch further"
+        )
+    if abs(found[at] - value) <= SAME_VALUE * (1 + abs(value)):
+        return at, ""
+    return at, (
+        f"{column} = {value:g} lies between two points; the nearest, point {at}, has {found[at]:.8g} (pearlbvp branch "
+        f"--until {column}={value:g} computes the shape itself)"
+    )
+
+
+def _nearest(values: Sequence[float], wanted: float) -> int | None:
+    """The first of several values that is the wanted one, else the nearer of the first two that it lies between."""
+    gaps = [value - wanted for value in values]
+    for place, gap in enumerate(gaps):
+        if abs(gap) <= SAME_VALUE * (1 + abs(wanted)):
+            return place
+    for place in range(len(gaps) - 1):
+        if gaps[place] * gaps[place + 1] < 0:
+            return place if abs(gaps[place]) < abs(gaps[place + 1]) else place + 1
+    return None
+
+
+def profile_table(point: Point[Any], samples: int = SAMPLES) -> pd.DataFrame:
+    """The curve that a shape is made of, in radii.
+
+    Args:
+        point: of a branch of any family.
+        samples: steps on each period of an axisymmetric shape, or around a section.
+
+    Returns:
+        Of axisymmetric shapes, on the whole tube and at equal steps of arclength, ``x, r, psi`` (the tangent's angle), ``H``
+        (mean curvature); of rings their section ``y, z, psi, H``; of coils the section at ``x = 0``, which turns along the
+        tube: ``y, z``. Both are closed: the first point is the last.
+
+    Raises:
+        InputError: the shape is made of no single curve.
+    """
+    if samples < 4:
+        raise InputError(f"samples: {samples} are no curve; give 4 or more")
+    problem = getattr(point.problem, "base", point.problem)
+    if problem.stored_as == "pearl":
+        return _axisymmetric(problem.profile(point.u), point.observables["L"], samples)
+    if problem.stored_as == "ring":
+        section = problem.profile(point.u)
+        sigma = np.linspace(0, 2 * problem.n, samples + 1)
+        curve, (psi, kappa, _) = section.curve(sigma), section.at(sigma).T
+        return pd.DataFrame({"y": curve.real, "z": curve.imag, "psi": psi, "H": kappa / 2})
+    if problem.stored_as == "tube" and problem.symmetry.period == 0:
+        y, z = problem.section(point.u, 0.0, samples + 1)
+        return pd.DataFrame({"y": y, "z": z})
+    raise InputError(
+        f"profile: a {problem.family} is made of no single curve; write its surface (--surface FILE.vtu, or .csv)"
+    )
+
+
+def _axisymmetric(profile: Profile, length: float, samples: int) -> pd.DataFrame:
+    whole, count = profile.mirrored(), round(length / profile.period)
+    along = PiecewisePolynomial(whole.states.mesh, whole.outline()[0][:, None])
+    sigma = np.linspace(0, 1, samples + 1)
+    period = np.column_stack((along(sigma), whole.states(sigma)[:, :3]))
+    shift = np.array([profile.period, 0.0, 0.0, 0.0])
+    rows, last = [period[:-1] + i * shift for i in range(count)], period[:1] + count * shift
+    return pd.DataFrame(np.concatenate((*rows, last)), columns=["x", "r", "psi", "H"])
+
+
+def surface_table(point: Point[Any], nodes: int = NODES) -> pd.DataFrame:
+    """Points of a surface, in radii: a grid whose rows ``i`` run along the tube and whose columns ``j`` run around it.
+
+    Args:
+        point: of a branch of any family; one on a mesh has its own vertices.
+        nodes: of the grid, about.
+
+    Returns:
+        ``x, y, z, i, j``, of meshes ``x, y, z``. The grid is closed: its last column is the first, its last row the first
+        one a period further.
+    """
+    problem = getattr(point.problem, "base", point.problem)
+    if problem.stored_as == "mesh":
+        surface: PeriodicMesh = problem.surface(point.u)
+        return pd.DataFrame(surface.reduced().vertices, columns=["x", "y", "z"])
+    length = point.observables["L"]
+    around = max(8, round(math.sqrt(nodes * 2 * math.pi / length)))
+    rows = max(8, round(nodes / around))
+    i, j = (part.ravel() for part in np.meshgrid(np.arange(rows + 1), np.arange(around + 1), indexing="ij"))
+    found: Array = surface_points(problem, point.u)(length * (i % rows) / rows, 2 * math.pi * (j % around) / around)
+    found[i == rows, 0] += length
+    return pd.DataFrame({"x": found[:, 0], "y": found[:, 1], "z": found[:, 2], "i": i, "j": j})

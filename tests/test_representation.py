@@ -1,0 +1,112 @@
+"""What a session shows of the objects that it gets: a few lines, with what a user wants to know."""
+
+import os
+import pty
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from pearlbvp import progress
+from pearlbvp.collocation import PiecewisePolynomial
+from pearlbvp.figures.branch import BETWEEN, smooth
+from pearlbvp.flow.driver import FlowOptions
+from pearlbvp.helfrich import Tube
+from pearlbvp.mesh.families import tube_mesh
+from pearlbvp.studies.amplitude import predicted_branch
+from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.diagram import Diagram
+from pearlbvp.studies.flow_start import pearl_start
+from pearlbvp.studies.localized import PeriodicPearls
+from pearlbvp.studies.mesh import mesh_branch
+from pearlbvp.studies.ring import ring_branch
+from pearlbvp.studies.tube import tube_branch
+
+LONGEST, WIDEST = 20, 2000
+
+
+def of_branches():
+    yield pearl_branch(0.48, 30, 4, branch_options({"bp": 2}))
+    yield ring_branch(-1.0, 10, 2, branch_options({"v": 0.9}))
+    yield tube_branch(0.48, 10, "coil", (1, 1), branch_options({"v": 0.98}))
+    yield mesh_branch(0.0, 10, "pearl", (1, 0), 120, branch_options(max_points=2))
+    yield predicted_branch(0.0, 10, (1, 1))
+
+
+def objects():
+    for branch in of_branches():
+        entry = branch.points[-1]
+        yield from (branch, entry, entry.point, entry.point.problem, entry.spectrum, branch.special)
+        if hasattr(entry.point.problem, "profile"):
+            profile = entry.point.problem.profile(entry.point.u)
+            yield from (profile, profile.states)
+    yield Diagram({str(i): branch for i in range(40)}, {"1/1": "why"})
+    pearls = PeriodicPearls.trace(0.48, 7.5)
+    yield from (pearls, pearls.path, pearls.functions, pearls.path.points[0].problem.discretization)
+    yield tube_mesh(10, 300)
+    point = pearl_branch(0.48, 7.5, 1, branch_options({"v": 1.01})).points[-1].point
+    start = pearl_start(point.problem, point.u, points=32)
+    result = start.flow(start.perturbed("bump", 0.01, keep=True), FlowOptions(until=1.0))
+    yield from (start, start.problem, result, result.state, result.state.record, result.state.record.frames[0])
+    yield from (PiecewisePolynomial(np.linspace(0, 1, 9), np.zeros((49, 4))), Tube(0, 1))
+
+
+def test_no_object_fills_the_screen():
+    for found in objects():
+        text = repr(found)
+        assert text.count("\n") < LONGEST, type(found).__name__
+        assert len(text) < WIDEST, (type(found).__name__, len(text))
+        assert "array([" not in text, type(found).__name__
+
+
+def test_a_branch_says_what_it_is_where_it_goes_and_why_it_ends():
+    branch = pearl_branch(0.48, 30, 4, branch_options({"bp": 2}))
+    first, *special, last = repr(branch).splitlines()
+    assert first == "pearl branch, 7 points, c0 = 0.48, L = 30, v = 1 to 1.0081107"
+    assert [line.split(",")[0].strip() for line in special] == ["point 4: bp", "point 6: bp"]
+    assert "+2 unstable" in special[0]
+    assert last == "  end: the wanted special point is reached"
+    many = type(branch)(branch.points, branch.special * 20, branch.reason, True)
+    assert "and 26 more special points" in repr(many)
+
+
+def test_a_smooth_curve_goes_through_its_points_and_not_beyond_them():
+    angle = np.linspace(0, 5, 14)
+    x, y = smooth(np.cos(angle), np.sin(angle))
+    np.testing.assert_array_equal(x[::BETWEEN], np.cos(angle))
+    assert np.abs(np.hypot(x, y) - 1).max() < 0.25 * (1 - np.cos(np.diff(angle)[0] / 2)) + 6e-3  # chords: 1 - cos
+    for i in range(len(angle) - 1):
+        piece = y[i * BETWEEN : (i + 1) * BETWEEN + 1]
+        assert piece.min() >= min(piece[0], piece[-1]) - 1e-12
+        assert piece.max() <= max(piece[0], piece[-1]) + 1e-12
+
+
+def test_a_smooth_curve_is_interrupted_where_a_value_is_missing():
+    x, y = np.arange(6.0), np.array([0.0, 1.0, 4.0, np.nan, 16.0, 25.0])
+    dense_x, dense_y = smooth(x, y)
+    assert np.isfinite(dense_y[: 2 * BETWEEN + 1]).all()
+    assert np.isnan(dense_y[2 * BETWEEN + 1 : 4 * BETWEEN]).all()
+    assert len(dense_x) == 5 * BETWEEN + 1
+
+
+@pytest.mark.parametrize("shown", [True, False])
+def test_a_bar_is_there_at_once_and_counts_by_itself(capsys, monkeypatch, shown):
+    monkeypatch.setattr(progress, "SECONDS", 0.02)
+    with progress.progress("tube", 3, shown=shown, doing="solving"):
+        first = capsys.readouterr().err
+        time.sleep(0.2)
+        later = capsys.readouterr().err
+    assert bool("solving" in first) == shown
+    assert bool(later.count("0/3") >= 2) == shown
+    assert (first + later == "") == (not shown)
+
+
+def test_a_terminal_of_unknown_size_shows_the_bar(monkeypatch):
+    ours, theirs = pty.openpty()  # its size is 0 by 0
+    with os.fdopen(theirs, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        with progress.progress("tube", 3):
+            said = os.read(ours, 1000).decode()
+    os.close(ours)
+    assert "0/3" in said
