@@ -45,14 +45,14 @@ TIME, RATE, VELOCITY = Dimension(time=1), Dimension(time=-1), Dimension(1, -1)
 QUANTITIES: Mapping[str, Dimension] = {
     **dict.fromkeys(("L", "length", "period", "x", "r", "y", "z", "r_min", "r_max", "amplitude", "wave", "gap",
                      "delta", "centre", "shape", "edge"), LENGTH),
-    **dict.fromkeys(("c0", "k"), CURVATURE),
+    **dict.fromkeys(("c0", "k", "H"), CURVATURE),
     **dict.fromkeys(("lambda1", "E", "E_least_energy"), TENSION),
     **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "pressure"), PRESSURE),
     "area": AREA, "volume": VOLUME, "volume_by_length": AREA, "xi": Dimension(-2),
     "t": TIME, "velocity": VELOCITY, **dict.fromkeys(("mu_crit", "mu_error", "rate"), RATE),
     **dict.fromkeys(("v", "v_localized", "v_reduced", "area_error", "volume_error", "quality_worst", "quality_mean",
                      "m", "n", "point", "pearls", "pearls_least_energy", "kernel", "n_unstable", "nodes", "triangles",
-                     "slope", "phi", "vertex"), NUMBER),
+                     "slope", "phi", "psi", "vertex", "i", "j"), NUMBER),
 }  # fmt: skip
 """Dimensions by the names that columns, options and the numbers of sentences have."""
 

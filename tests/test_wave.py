@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from pearlbvp.figures.surface import surface_of
-from pearlbvp.helfrich import Tube, in_units_of_radius
+from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.amplitudes import amplitudes, amplitudes_at, largest_wave
 from pearlbvp.mesh.functional import Functional
 from pearlbvp.projection import Projection
@@ -18,6 +18,7 @@ from pearlbvp.studies.ring import ring_branch
 from pearlbvp.studies.saved import switched
 from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.amplitude import amplitude_equation
+from pearlbvp.units import Units
 
 CASES = {
     "pearl": (0.0, 10.0, (1, 0), 1.05),
@@ -121,5 +122,5 @@ def test_branches_stop_at_a_wave_and_predictions_have_it():
     assert list(table[COLUMNS]) == COLUMNS
     predicted = predicted_branch(0.0, 10, (1, 1), "coil", 0.25).table()
     assert predicted["wave"].iloc[-1] == 0.5
-    scaled = in_units_of_radius(table, 0.05)
+    scaled = Units(0.05).columns(table)
     pd.testing.assert_series_equal(scaled["wave"], 0.05 * table["wave"])

@@ -365,10 +365,11 @@ def _of_a_file(
     from pearlbvp.studies.flow_start import surface_start
 
     found, said = read_tube(path, units.to_user("length", length))
-    check_radius(found, units.radius)
+    surface = units.surface_from_user(found)
+    check_radius(surface)
     if said:
         tqdm.write(f"pearlbvp: {said}", file=sys.stderr)  # beside a progress bar
-    return surface_start(c0, units.surface_from_user(found), kind=kind, law=law, pressure=pressure)
+    return surface_start(c0, surface, kind=kind, law=law, pressure=pressure)
 
 
 def _profile(path: Path) -> tuple[Any, Any]:

@@ -271,10 +271,10 @@ def continue_branch(
         special.append(SpecialPoint(kind, len(points) - 1))
         return Branch(points, special, reason, kind == "stop")
 
-    if any(has_value(points[0], name, value, exact or {}) for name, value in options.until.items()):
-        return end("the start has the wanted value", "stop")
     try:
         points.append(_with_spectrum(start))
+        if any(has_value(points[0], name, value, exact or {}) for name, value in options.until.items()):
+            return end("the start has the wanted value", "stop")
         path, tried = steps(start, options.path), math.inf
         while True:
             before, at_start = points[-1], at_bifurcation and len(points) == 1

@@ -22,6 +22,7 @@ from pearlbvp.mesh.formats.vtk import read_vtk
 from pearlbvp.mesh.formats.xml import read_xml
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
 from pearlbvp.mesh.tube import tube_of
+from pearlbvp.units import Sentence
 
 FORMATS = {".vtu": "vtu", ".ply": "ply", ".obj": "obj"}
 """Endings of the formats that are written."""
@@ -130,19 +131,15 @@ def read_tube(path: str | os.PathLike[str], length: float) -> tuple[PeriodicMesh
     return mesh, f"{path.name}: {', '.join(said)}" if said else ""
 
 
-def check_radius(mesh: PeriodicMesh, radius: float) -> None:
-    """Refuse a tube whose radius is another than that in which all else is measured.
-
-    Args:
-        mesh: in the unit of ``radius``.
-        radius: of the straight tube of the same area and period, but for a factor.
+def check_radius(mesh: PeriodicMesh) -> None:
+    """Refuse a tube, in radii, whose own radius is not about 1: it was measured in another unit than the rest.
 
     Raises:
-        InputError: they differ by more than a factor of two.
+        InputError: the straight tube of its area and period has a radius that differs from 1 by more than a factor of two.
     """
     found = mesh.area / (2 * math.pi * mesh.length)
-    if not 1 / FAR < found / radius < FAR:
-        raise InputError(f"radius: the tube's radius is about {found:.2g}; give --radius {found:.2g}")
+    if not 1 / FAR < found < FAR:
+        raise InputError(Sentence("radius: the tube's radius is about {r:.2g}; give --radius {r:.2g}", r=found))
 
 
 def joined(points: Array, triangles: Integers, length: float, first: int = 0) -> PeriodicMesh:
