@@ -205,8 +205,9 @@ def test_a_killed_run_goes_on_from_its_checkpoint(tmp_path):
     x = np.linspace(0, L, 129)
     graph = profile_start(0.2, L, x, np.hypot(*bulged(x, 0 * x)[:, 1:].T), law="area", pressure=-3.0)
     exact = flow(*graph, FlowOptions(until=0.2)).table().iloc[-1]
-    for name in ("E", "v", "r_min"):
-        assert on.table()[name].iloc[-1] == pytest.approx(whole.table()[name].iloc[-1], rel=1e-6), name
+    # An extreme radius lies beside another sample where two are nearly as extreme: it jumps by the error of radii.
+    for name, error in {"E": 1e-6, "v": 1e-6, "r_min": 2e-4}.items():
+        assert on.table()[name].iloc[-1] == pytest.approx(whole.table()[name].iloc[-1], rel=error), name
         assert on.table()[name].iloc[-1] == pytest.approx(exact[name], rel=5e-3), name
     wrong = flow(replace(graph[0], pressure=3.0), graph[1], FlowOptions(until=0.2)).table().iloc[-1]
     assert abs(wrong["E"] / exact["E"] - 1) > 5e-2  # the comparison sees the pressure
