@@ -90,8 +90,9 @@ class Pictures:
 
 
 @pytest.fixture
-def pictures(monkeypatch):
+def pictures(monkeypatch, tmp_path):
     kept = Pictures()
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(canvas, "save_figure", kept.keep)
     return kept
 
