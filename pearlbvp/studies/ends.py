@@ -7,6 +7,7 @@ from typing import Any
 from pearlbvp.continuation.branch import BranchPoint
 from pearlbvp.continuation.two_parameters import CurveOnSurface
 from pearlbvp.mesh.problem import MeshProblem
+from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.units import Sentence
 
@@ -14,10 +15,11 @@ THINNEST_NECK = 4e-3
 """Radius of the neck at which a branch of pearls ends: beyond, rounding spoils the count of unstable waves."""
 
 RESOLVED = 1e-4
-"""Error of the growth rates of pearls beyond which a branch ends rather than count wrongly."""
+"""Error of the growth rates of pearls, by the fourth power of their wave number, beyond which a branch ends rather than count
+wrongly."""
 
 RESOLVED_TUBE = 1e-6
-"""The same of tubes in reduced modes, as rigid motions show it, by the fourth power of their wave number."""
+"""The same of tubes in reduced modes, as rigid motions show it."""
 
 
 def limit(point: BranchPoint[Any]) -> str | None:
@@ -26,7 +28,7 @@ def limit(point: BranchPoint[Any]) -> str | None:
     base = problem.base if isinstance(problem, CurveOnSurface) else problem
     if isinstance(base, TubeProblem):
         return _tube_limit(base, point)
-    return _mesh_limit(point) if isinstance(base, MeshProblem) else _pearl_limit(point)
+    return _mesh_limit(point) if isinstance(base, MeshProblem) else _pearl_limit(base, point)
 
 
 def _mesh_limit(point: BranchPoint[Any]) -> str | None:
@@ -35,12 +37,12 @@ def _mesh_limit(point: BranchPoint[Any]) -> str | None:
     return None
 
 
-def _pearl_limit(point: BranchPoint[Any]) -> str | None:
+def _pearl_limit(problem: PearlProblem, point: BranchPoint[Any]) -> str | None:
     if not point.spectrum.complete:
         n = max(block.n for block in point.spectrum.rates)
         text = f"waves of more than n = {n} around the tube grow: its tension is {{lambda1:.3g}}"
         return Sentence(text, lambda1=point.observables["lambda1"])
-    if point.spectrum.residual > RESOLVED:
+    if point.spectrum.residual > RESOLVED * problem.wave_number**4:
         text = "its spectrum is known to {rate:.0e} only, at a neck of {r_min:.1e}"
         return Sentence(text, rate=point.spectrum.residual, r_min=point.observables["r_min"])
     if point.observables["r_min"] < THINNEST_NECK:
