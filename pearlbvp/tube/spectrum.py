@@ -285,13 +285,14 @@ def _leading(second: Array, mass: Array) -> Array:
                 ) from None
             shift *= 8
     inverse = solve_triangular(factor, solve_triangular(factor, mass, lower=True).T, lower=True)
-    size, kept = len(mass), KEPT
-    while True:
-        found = eigh(inverse, eigvals_only=True, subset_by_index=[max(0, size - kept), size - 1])
-        rates = np.asarray(shift - 1 / found[::-1])
-        if rates[-1] < 0 or kept >= size:
-            return rates
-        kept *= 4
+    size = len(mass)
+    few = eigh(inverse, eigvals_only=True, subset_by_index=[max(0, size - KEPT), size - 1])
+    rates = np.asarray(shift - 1 / few[::-1])
+    if rates[-1] < 0 or len(rates) == size:
+        return rates
+    # More grow than are kept: all rates cost little more than a few, and many times a few far more.
+    rates = np.asarray(shift - 1 / eigh(inverse, eigvals_only=True)[::-1])
+    return rates[: int((rates > 0).sum()) + 1]
 
 
 def _residual(second: Array, mass: Array, kernel: Array, largest: float) -> float:
