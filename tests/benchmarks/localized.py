@@ -114,7 +114,7 @@ def auto_seconds(folder: Path, points: int, degree: int, intervals: int, threads
     return time.perf_counter() - start
 
 
-SHOWN = 2e-11
+SHOWN = 1.5e-10
 """Error in ``lambda2`` below which the eleven digits of ``fort.8`` show none."""
 
 
