@@ -49,23 +49,28 @@ class Projection:
         turned = np.exp(-1j * np.outer(self.phi, around))
         return np.stack((weighted.T @ turned, weighted.T @ turned.conj()))
 
-    def wave(self, k: float, most: tuple[int, int], *, turning: bool = False) -> float:
+    def wave(self, k: float, most: tuple[int, int], *, fold: int = 1, turns: float = 0.0) -> float:
         """``2 A`` of the largest wave of the displacement: it is ``2 A cos(kx + n phi)`` and waves that are not larger.
 
         A shift across the axis, ``k = 0`` and ``n = 1``, is no wave. Coils have ``B = 0``, buckles ``B = A``.
 
         Args:
             k: unit of the wave numbers along the tube.
-            most: largest wave numbers looked at, along and around.
-            turning: whether it is one section of a surface whose sections turn into each other, so that ``n = 1`` is a wave.
+            most: largest wave numbers looked at, along, and around in units of ``fold``.
+            fold: waves around the tube are multiples of this.
+            turns: of the frame about the axis in which ``phi`` is measured, on the wavelength of ``k``: there a shift has as
+                many waves along.
 
         Returns:
             The amplitude, a length; NaN where the axis is not inside of the surface.
         """
         if not self.covers:
             return math.nan
-        sizes = np.abs(self.amplitudes(k, np.arange(most[0] + 1), np.arange(most[1] + 1))).max(axis=0)
-        sizes[0, : 1 if turning else 2] = 0.0
+        along, around = np.arange(most[0] + 1), fold * np.arange(most[1] + 1)
+        sizes = np.abs(self.amplitudes(k, along, around))
+        sizes[:, 0, 0] = 0.0  # the mean radius
+        shift = np.ix_([0, 1] if turns == 0 else [0], along == turns, around == 1)
+        sizes[shift] = 0.0
         return 2 * float(sizes.max())
 
 

@@ -475,16 +475,19 @@ class TubeProblem:
 
     def wave(self, u: Array) -> float:
         """``2 A`` of the largest wave (``projection``): near the straight tube that of the mode in which it leaves that."""
+        # In its frame, and on one period there, a tube has the waves that it has at rest, each with other numbers along.
         period, fold = self._units
-        turns, around = self.symmetry.turns, max(fold * self.size[1], 1)
-        most = (period * self.size[0] + turns * around if period else 0), around  # else all sections are alike
-        length, (along, about) = self.parameters(u).length, (3 * number + 8 for number in most)
-        x = length * np.arange(along) / along if period else np.zeros(1)
+        length, turns = self.parameters(u).length, self.symmetry.turns
+        wavelength = length / (period or 1)
+        along, about = 6 * self.size[0] + 16 if period else 1, 6 * max(fold * self.size[1], 1) + 16
+        x = wavelength * np.arange(along) / along
         phi = 2 * math.pi * np.arange(about) / about
-        curve = self._sections(u, x, phi)
-        by_phi = np.fft.ifft(1j * np.fft.fftfreq(len(phi), 1 / len(phi)) * np.fft.fft(curve))
-        projected = of_section(curve, by_phi * 2 * math.pi / len(phi), x[:, None])
-        return projected.wave(2 * math.pi / length, most, turning=not period and turns > 0)
+        turned = np.exp(-2j * math.pi * turns * x / length)
+        curve = self._sections(u, x, phi) * turned[:, None]
+        by_phi = np.fft.ifft(1j * np.fft.fftfreq(about, 1 / about) * np.fft.fft(curve))
+        projected = of_section(curve, by_phi * 2 * math.pi / about, x[:, None])
+        most = (self.size[0] if period else 0), self.size[1] if fold else 0
+        return projected.wave(2 * math.pi / wavelength, most, fold=max(fold, 1), turns=turns / (period or 1))
 
     def to_tree(self) -> dict[str, Any]:
         """Everything as arrays, numbers and words, to be saved."""
