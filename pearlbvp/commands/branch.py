@@ -79,11 +79,15 @@ if TYPE_CHECKING:
     "--until",
     type=Until(),
     multiple=True,
-    help="Stop exactly there: v=1.1, or the K-th special point from the start on: bp, bp:2, fold:v, fold:v:2, cmc. May be "
+    help="Stop exactly there: v=1.1, or the K-th special point of those that are new: bp, bp:2, fold:v, fold:v:2, cmc. May be "
     "given several times; the first reached counts.",
 )
 @click.option(
-    "--max-points", type=click.IntRange(min=2), default=200, show_default=True, help="End after so many more."
+    "--max-points",
+    type=click.IntRange(min=2),
+    default=200,
+    show_default=True,
+    help="End after so many; special ones come on top.",
 )
 @click.option("--step", type=Number(), help="First step along the branch.  [default: 0.1, or the largest]")
 @click.option("--max-step", type=Number(), default=0.5, show_default=True, help="Largest step along the branch.")
