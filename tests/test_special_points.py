@@ -8,10 +8,11 @@ from test_continuation import Curve
 
 from pearlbvp.continuation.branch import BranchOptions, continue_branch, start_point
 from pearlbvp.continuation.path import PathOptions
+from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.shapes.pearl import pearling_onset
-from pearlbvp.stability.spectrum import Block, Spectrum
+from pearlbvp.stability.spectrum import Block
 from pearlbvp.studies.branch import (
     branch_options,
     pearl_branch,
@@ -47,7 +48,7 @@ class Spectral(Curve):
             Block(0, 0, 1, None): np.array([u[1] - 0.3, u[1] - 0.31, -1.0]),
             Block(1, 0, 1, None): np.array([0.305 - u[1], -2.0]),
         }
-        return Spectrum(blocks, 0.0, 0)
+        return Spectrum.of(blocks, 0.0)
 
     def block_rates(self, u, block, like):
         return self.spectrum(u).rates[block]

@@ -19,34 +19,11 @@ from pearlbvp.continuation.events import Event, events_between, first_wanted, ha
 from pearlbvp.continuation.path import P, Path, PathEnd, PathOptions, Point, steps
 from pearlbvp.continuation.problem import Array, Problem
 from pearlbvp.continuation.segment import Segment
+from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError, interrupted
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-class Spectrum(Protocol):
-    """What a branch asks of the growth rates of a solution."""
-
-    @property
-    def rates(self) -> Mapping[Any, Array]:
-        """Largest growth rates of each symmetry block, exact kernels left out, largest first."""
-
-    @property
-    def n_unstable(self) -> int:
-        """Dimension of the unstable space."""
-
-    @property
-    def complete(self) -> bool:
-        """Whether all unstable perturbations were counted."""
-
-    @property
-    def mu_crit(self) -> float:
-        """The largest growth rate."""
-
-    @property
-    def residual(self) -> float:
-        """Error of the growth rates, as the exact kernels show it."""
 
 
 class StableProblem(Problem, Protocol):
@@ -98,27 +75,11 @@ class SpecialPoint(Generic[P]):
 
 
 @dataclass(frozen=True)
-class UnknownSpectrum:
-    """In the place of growth rates that could not be computed: a start is shown, and saved, all the same."""
-
-    rates: Mapping[Any, Array] = field(default_factory=dict)
-    n_unstable: int = 0
-    complete: bool = False
-    mu_crit: float = math.nan
-    residual: float = math.nan
-    critical: str = ""
-
-    def to_tree(self) -> dict[str, Any]:
-        """Nothing, to be saved."""
-        return {}
-
-
-@dataclass(frozen=True)
 class BranchPoint(Generic[P]):
     """A point with its spectrum."""
 
     point: Point[P]
-    spectrum: Any
+    spectrum: Spectrum
 
     def __repr__(self) -> str:
         return f"BranchPoint({described_point(self)})"
@@ -267,7 +228,7 @@ def continue_branch(
     def end(reason: str, kind: str = "end", advice: str = "") -> Branch[P]:
         if kind == "end" and reason != INTERRUPTED:
             reason += "".join(f"; {name} {MOVED_AWAY}" for name in _left_behind(points, options.until)) or advice
-        points.extend([] if points else [BranchPoint(start, UnknownSpectrum())])
+        points.extend([] if points else [BranchPoint(start, Spectrum.unknown())])
         special.append(SpecialPoint(kind, len(points) - 1))
         return Branch(points, special, reason, kind == "stop")
 

@@ -15,10 +15,11 @@ import numpy as np
 
 from pearlbvp.continuation.path import P, PathEnd, Point
 from pearlbvp.continuation.segment import Segment
+from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.representation import brief
 
 if TYPE_CHECKING:
-    from pearlbvp.continuation.branch import BranchPoint, Spectrum
+    from pearlbvp.continuation.branch import BranchPoint
 
 
 def slopes(point: Point[P], names: Sequence[str], eps: float = 1e-5) -> dict[str, float]:

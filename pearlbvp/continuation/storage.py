@@ -12,6 +12,7 @@ from typing import Any
 
 from pearlbvp.continuation.branch import Branch, BranchPoint, SpecialPoint
 from pearlbvp.continuation.path import Point
+from pearlbvp.continuation.spectrum import Spectrum
 
 KIND = "pearlbvp branch"
 """What files of branches call themselves."""
@@ -59,19 +60,19 @@ def _special_tree(found: SpecialPoint[Any], branch: Branch[Any]) -> dict[str, An
     return tree | {"block": list(branch.points[found.index].spectrum.rates).index(found.block)}
 
 
-def branch_of_tree(tree: Mapping[str, Any], kinds: Mapping[str, tuple[Reader, Reader]]) -> Branch[Any]:
+def branch_of_tree(tree: Mapping[str, Any], kinds: Mapping[str, tuple[Reader, Any]]) -> Branch[Any]:
     """The inverse of ``branch_tree``.
 
     Args:
         tree: as ``branch_tree`` makes it.
-        kinds: for each kind of problem the inverses of its and its spectra's ``to_tree``.
+        kinds: for each kind of problem the inverse of its ``to_tree``, and the named tuple that its symmetry blocks are.
 
     Raises:
         ValueError, LookupError, TypeError: something is missing in the tree, or does not fit.
     """
-    problem_from, spectrum_from = kinds[tree["kind"]]
+    problem_from, block = kinds[tree["kind"]]
     problems = [problem_from(problem) for problem in _in_order(tree["problems"])]
-    points = [_point(point, problems, spectrum_from) for point in _in_order(tree["points"])]
+    points = [_point(point, problems, block) for point in _in_order(tree["points"])]
     if not points:
         raise ValueError("a branch without points")
     special = [_special(found, points) for found in _in_order(tree["special"])]
@@ -82,15 +83,15 @@ def _in_order(trees: Mapping[str, Any]) -> list[Any]:
     return [trees[str(i)] for i in range(len(trees))]
 
 
-def _point(tree: Mapping[str, Any], problems: list[Any], spectrum_from: Reader) -> BranchPoint[Any]:
+def _point(tree: Mapping[str, Any], problems: list[Any], block: Any) -> BranchPoint[Any]:
     problem, u, tangent = problems[tree["problem"]], tree["u"], tree["tangent"]
     if u.shape != tangent.shape:
         raise ValueError("a point's unknown and tangent do not fit")
     order = problem.observables(u)  # files sort names; this also fails where u does not fit its mesh
     observables = {name: float(tree["observables"][name]) for name in order}
     point = Point(problem, u, tangent, observables, int(tree["iterations"]), float(tree["step"]))
-    spectrum = spectrum_from(tree["spectrum"])
-    if not math.isfinite(spectrum.mu_crit):  # this also fails where a block has no rates
+    spectrum = Spectrum.from_tree(tree["spectrum"], block)
+    if spectrum.rates and not math.isfinite(spectrum.mu_crit):  # this also fails where a block has no rates
         raise ValueError("a point's growth rates do not fit")
     return BranchPoint(point, spectrum)
 

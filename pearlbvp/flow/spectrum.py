@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
 from scipy.linalg import eigh
 
+from pearlbvp.constrained import lifted, restricted
 from pearlbvp.flow.problem import Array
-
-
-def allowed(rows: Array, size: int) -> Array:
-    """An orthonormal basis of the vectors that all rows annihilate, shape (size, size - rank)."""
-    if not len(rows):
-        return np.eye(size)
-    norms = np.linalg.norm(rows, axis=1)
-    rows = rows[norms > 1e-14] / norms[norms > 1e-14, None]
-    _, singular, vectors = np.linalg.svd(rows)
-    return np.asarray(vectors[int((singular > 1e-9).sum()) :].T)
 
 
 def growth_rates(second: Array, mass: Array, rows: Array, kernels: Array, count: int) -> tuple[Array, Array]:
@@ -32,7 +22,7 @@ def growth_rates(second: Array, mass: Array, rows: Array, kernels: Array, count:
         Rates, largest first, and vectors with unit norm in the metric, shape (N, count).
     """
     moving = [kernel for kernel in kernels if kernel @ mass @ kernel > 1e-16]
-    basis = allowed(np.vstack((rows, *(mass @ kernel for kernel in moving))), len(second))
-    projected = [basis.T @ matrix @ basis for matrix in (second, mass)]
-    values, vectors = eigh(*projected, subset_by_index=[0, min(count, basis.shape[1]) - 1])
-    return -values, basis @ vectors
+    kept = [*rows, *(mass @ kernel for kernel in moving)]
+    pencil = restricted(kept, second, mass)
+    values, vectors = eigh(*pencil, subset_by_index=[0, min(count, len(pencil[0])) - 1])
+    return -values, lifted(kept, vectors)

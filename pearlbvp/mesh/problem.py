@@ -21,6 +21,7 @@ import numpy as np
 
 from pearlbvp.bordered import Pinned, spread
 from pearlbvp.continuation.path import correct
+from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.mesh.adaptation import (
     AdaptOptions,
     adapted,
@@ -36,7 +37,7 @@ from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.sections import radii
-from pearlbvp.mesh.spectrum import Fixed, MeshBlock, MeshSpectrum, Modes, independent, leading
+from pearlbvp.mesh.spectrum import NEUTRAL, Fixed, MeshBlock, Modes, independent, leading
 from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.mesh.symmetry import mean, orbits
 from pearlbvp.newton import NewtonOptions
@@ -216,12 +217,14 @@ class MeshProblem:
     def _blocks(self) -> list[MeshBlock]:
         return [self.own_block] if self.orbits is None else [self.own_block, MeshBlock("breaking")]
 
-    def spectrum(self, u: Array) -> MeshSpectrum:
+    def spectrum(self, u: Array) -> Spectrum:
         """The leading growth rates, and whether all positive ones are among them."""
         modes = self.block_modes(u, dict.fromkeys(self._blocks, RATES))
-        return MeshSpectrum(modes.rates, modes.complete, modes.residual)
+        return Spectrum(
+            modes.rates, modes.residual, NEUTRAL, modes.complete
+        )  # the mesh moves neutral rates by far more
 
-    def block_rates(self, u: Array, block: MeshBlock, like: MeshSpectrum) -> Array:
+    def block_rates(self, u: Array, block: MeshBlock, like: Spectrum) -> Array:
         """The leading growth rates of a block, largest first."""
         return self.block_modes(u, {block: len(like.rates[block])}).rates[block]
 

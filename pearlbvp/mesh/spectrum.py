@@ -11,14 +11,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy import sparse
-from scipy.linalg import eigh, null_space
+from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from pearlbvp.bordered import Bordered, Pinned
+from pearlbvp.constrained import lifted, restricted
 from pearlbvp.mesh.periodic import Array, Integers
 from pearlbvp.mesh.symmetry import mean
 from pearlbvp.representation import brief
@@ -49,51 +50,6 @@ class MeshBlock(NamedTuple):
 
     def __str__(self) -> str:
         return self.name
-
-
-@dataclass(frozen=True)
-class MeshSpectrum:
-    """Growth rates of a triangulated tube.
-
-    Attributes:
-        rates: the largest, largest first, rigid motions left out.
-        complete: whether the number of positive ones is that of the inertia.
-        residual: error of the rates: the largest rate, in size, of the rigid motions, which are neutral.
-    """
-
-    __repr__ = brief
-
-    rates: Mapping[MeshBlock, Array]
-    complete: bool = True
-    residual: float = math.nan
-
-    @property
-    def n_unstable(self) -> int:
-        """Dimension of the unstable space; at a branch point its neutral perturbations are not counted."""
-        return sum(block.multiplicity * int((rates > NEUTRAL).sum()) for block, rates in self.rates.items())
-
-    @property
-    def critical(self) -> MeshBlock:
-        """The block of the largest growth rate."""
-        return max(self.rates, key=lambda block: float(self.rates[block][0]))
-
-    @property
-    def mu_crit(self) -> float:
-        """The largest growth rate."""
-        return float(self.rates[self.critical][0])
-
-    def to_tree(self) -> dict[str, Any]:
-        """Everything as arrays and numbers, to be saved."""
-        rates = {f"rates_{block.name}": rates for block, rates in self.rates.items()}
-        return rates | {"complete": self.complete, "residual": self.residual}
-
-    @classmethod
-    def from_tree(cls, tree: Mapping[str, Any]) -> MeshSpectrum:
-        """The inverse of ``to_tree``."""
-        # Files sort names; special points count the blocks in the order in which problems have them.
-        names = [name for name in ("all", "symmetric", "breaking") if f"rates_{name}" in tree]
-        rates = {MeshBlock(name): np.asarray(tree[f"rates_{name}"], dtype=float) for name in names}
-        return cls(rates, bool(tree["complete"]), float(tree["residual"]))
 
 
 def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix, pins: Integers) -> tuple[Array, Array]:
@@ -129,7 +85,7 @@ class Modes:
         rates: of each block, largest first, shape (k,).
         vectors: perturbations as columns, shape (V, k).
         unstable: number of positive rates in all blocks together, by inertia.
-        residual: as in ``MeshSpectrum``.
+        residual: as in ``Spectrum``.
     """
 
     __repr__ = brief
@@ -273,7 +229,7 @@ def _of_symmetry(
     """The largest growth rates of what is constant on orbits, and their perturbations, by dense algebra."""
     size = len(orbits)
     basis = sparse.coo_matrix((np.ones(size), (np.arange(size), orbits))).tocsr()
-    allowed = null_space(rows @ basis, rcond=1e-10)
-    pencil = [allowed.T @ (basis.T @ matrix @ basis).toarray() @ allowed for matrix in (second, mass)]
+    kept = rows @ basis
+    pencil = restricted(kept, *((basis.T @ matrix @ basis).toarray() for matrix in (second, mass)))
     values, vectors = eigh(*[(matrix + matrix.T) / 2 for matrix in pencil])
-    return -values[:number], basis @ (allowed @ vectors[:, :number])
+    return -values[:number], basis @ lifted(kept, vectors[:, :number])

@@ -25,13 +25,14 @@ from pearlbvp.collocation import (
 )
 from pearlbvp.collocation.polynomial import all_points, extremes
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.helfrich import SHORT_WAVE, Tube, cylinder_lambda1
 from pearlbvp.representation import brief
 from pearlbvp.shapes import axisymmetric, tension
 from pearlbvp.shapes.cells import HALF_CELL, HALF_CELL_TENSION, full_cell
 from pearlbvp.stability.bloch import Fixed, SecondVariation
 from pearlbvp.stability.profile import Profile
-from pearlbvp.stability.spectrum import Block, Spectrum, block_rates, spectrum
+from pearlbvp.stability.spectrum import Block, block_rates, spectrum
 from pearlbvp.theory.dispersion import critical_lambda2
 
 Centre = Literal["pearl", "neck"]

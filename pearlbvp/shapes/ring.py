@@ -35,11 +35,12 @@ from pearlbvp.collocation import (
 )
 from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.helfrich import Tube
 from pearlbvp.projection import of_section
 from pearlbvp.representation import brief
 from pearlbvp.stability.bloch import Fixed
-from pearlbvp.stability.planar import PlanarBlock, PlanarSpectrum, PlaneProfile, planar_rates, planar_spectrum
+from pearlbvp.stability.planar import PlanarBlock, PlaneProfile, planar_rates, planar_spectrum
 from pearlbvp.theory.elastica import lobes
 
 QUARTER = math.pi / 2
@@ -233,11 +234,11 @@ class RingProblem:
         """None: the multipliers stay finite."""
         return {}
 
-    def spectrum(self, u: Array) -> PlanarSpectrum:
+    def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit the tube."""
         return planar_spectrum(self.profile(u), self.length, fixed=self.fixed)
 
-    def block_rates(self, u: Array, block: PlanarBlock, like: PlanarSpectrum) -> Array:
+    def block_rates(self, u: Array, block: PlanarBlock, like: Spectrum) -> Array:
         """Growth rates in one block, largest first, without its exact kernels, on as many points as ``like``."""
         return planar_rates(self.profile(u), self.length, block, like.points, self.fixed)
 

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.constrained import restricted
 from pearlbvp.representation import brief
 from pearlbvp.stability.profile import Profile, curvatures
 
@@ -172,17 +173,8 @@ class SecondVariation:
         matrix = self.matrix(n, theta, parity)
         if n == 0 and theta == 0 and parity != "odd" and fixed != "nothing":
             r, h = self.r[: len(matrix)], self.h[: len(matrix)]
-            normals = np.column_stack((h * r, r)) if fixed == "area and volume" else (h * r)[:, None]
-            matrix = restrict(matrix, normals)
+            (matrix,) = restricted((h * r, r) if fixed == "area and volume" else (h * r,), matrix)
         return np.asarray(np.linalg.eigvalsh(matrix)[::-1])
-
-
-def restrict(matrix: NDArray[Any], normals: NDArray[Any]) -> NDArray[Any]:
-    """A Hermitian matrix on the orthogonal complement of some vectors, shape (K, j), of which some may be parallel."""
-    basis, sizes, _ = np.linalg.svd(normals, full_matrices=True)
-    allowed = basis[:, int((sizes > 1e-8 * sizes[0]).sum()) :]
-    restricted: NDArray[Any] = allowed.conj().T @ matrix @ allowed
-    return restricted
 
 
 def growth_rates(profile: Profile, n: int, theta: float, points: int = 64) -> Array:

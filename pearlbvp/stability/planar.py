@@ -23,16 +23,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.constrained import restricted
+from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.representation import brief
-from pearlbvp.stability.bloch import Fixed, restrict, waves
-from pearlbvp.stability.spectrum import Spectrum, kernel_residual
+from pearlbvp.stability.bloch import Fixed, waves
+from pearlbvp.stability.spectrum import kernel_residual
 
 MOST_WAVES = 2000
 """Largest number of waves along the tube among which the first to grow is looked for."""
@@ -195,7 +197,7 @@ class PlanarVariation:
         found = list(moving)
         for place in np.flatnonzero(k == 0):
             normals = [*self.kernels(c, parity), *self.constraints(c, parity, fixed)]
-            resting = restrict(at_rest, np.column_stack(normals)) if normals else at_rest
+            (resting,) = restricted(normals, at_rest)
             found[place] = np.linalg.eigvalsh(resting)[::-1]
         return found
 
@@ -216,18 +218,6 @@ class PlanarVariation:
             for kernel in self.kernels(c, parity):
                 found = max(found, kernel_residual(self.matrices(c, parity)[0], kernel))
         return found
-
-
-@dataclass(frozen=True)
-class PlanarSpectrum(Spectrum):
-    """The leading growth rates of all blocks of a cylinder over a plane curve that can be unstable.
-
-    Attributes: as ``Spectrum`` has them; ``points`` are those of a lobe.
-    """
-
-    __repr__ = brief
-
-    block: ClassVar[Any] = PlanarBlock
 
 
 _KEPT = 8
@@ -258,7 +248,7 @@ def resolved(
 
 def planar_spectrum(
     profile: PlaneProfile, length: float, *, fixed: Fixed = "area and volume", tolerance: float = 1e-9
-) -> PlanarSpectrum:
+) -> Spectrum:
     """Growth rates of all perturbations of a tube of a length that can grow.
 
     All waves along the tube are looked at up to beyond the largest wave number at which any could grow, so that a block in
@@ -285,7 +275,7 @@ def planar_spectrum(
         for start in range(0, len(k), 128):  # no more matrices at a time than fit a cache
             for j, found in enumerate(variation.rates_at(c, parity, k[start : start + 128], fixed), start):
                 rates[PlanarBlock(j, c, profile.n, parity)] = found[: _KEPT + int((found > 0).sum())]
-    return PlanarSpectrum(rates, residual, points)
+    return Spectrum.of(rates, residual, points=points)
 
 
 def planar_rates(

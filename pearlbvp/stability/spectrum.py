@@ -8,17 +8,16 @@ form, removed by projection, and their residual says whether the profile and the
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.constrained import restricted
+from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
-from pearlbvp.representation import brief
-from pearlbvp.stability.bloch import Fixed, SecondVariation, isothermal_points, restrict
+from pearlbvp.stability.bloch import Fixed, SecondVariation, isothermal_points
 from pearlbvp.stability.profile import Profile
 
 
@@ -93,79 +92,12 @@ def block_rates(variation: SecondVariation, block: Block, fixed: Fixed = "area a
         normals.append(variation.h[:size] * variation.r[:size])
         if fixed == "area and volume":
             normals.append(variation.r[:size])
-    if normals:
-        matrix = restrict(matrix, np.column_stack(normals))
+    (matrix,) = restricted(normals, matrix)
     return np.asarray(np.linalg.eigvalsh(matrix)[::-1]), residual
-
-
-@dataclass(frozen=True)
-class Spectrum:
-    """The leading growth rates of all blocks that can be unstable.
-
-    Attributes:
-        rates: largest growth rates of each block, largest first.
-        residual: largest residual of an exact kernel: how well the spectrum is resolved.
-        points: Fourier points of a period.
-        complete: whether all unstable waves are among them; else more wind around the tube than were looked at.
-    """
-
-    __repr__ = brief
-
-    rates: dict[Any, Array]
-    residual: float
-    points: int
-    complete: bool = True
-    block: ClassVar[Any] = Block
-    """What the blocks are: three whole numbers and a parity."""
-
-    @property
-    def neutral(self) -> float:
-        """Growth rates of this size are zero to the accuracy of the spectrum: its kernels', and rounding."""
-        largest = max((float(np.abs(rates).max(initial=0.0)) for rates in self.rates.values()), default=0.0)
-        return 1e-8 + ROUNDING * largest + 10 * self.residual
-
-    @property
-    def n_unstable(self) -> int:
-        """Dimension of the unstable space; at a branch point its neutral perturbation is not counted."""
-        return sum(block.multiplicity * int((rates > self.neutral).sum()) for block, rates in self.rates.items())
-
-    def to_tree(self) -> dict[str, Any]:
-        """Everything as arrays and numbers, to be saved."""
-        parities = {None: 0, "even": 1, "odd": 2}
-        return {
-            "blocks": np.array([(*b[:3], parities[b.parity]) for b in self.rates], dtype=np.int64),
-            "rates": np.concatenate(list(self.rates.values())),
-            "sizes": np.array([len(rates) for rates in self.rates.values()], dtype=np.int64),
-            "complete": self.complete,
-            "residual": self.residual,
-            "points": self.points,
-        }
-
-    @classmethod
-    def from_tree(cls, tree: Mapping[str, Any]) -> Self:
-        """The inverse of ``to_tree``."""
-        parities = (None, "even", "odd")
-        blocks = [cls.block(*map(int, numbers), parities[parity]) for *numbers, parity in tree["blocks"]]
-        pieces = np.split(np.asarray(tree["rates"], dtype=float), np.cumsum(tree["sizes"])[:-1])
-        rates = dict(zip(blocks, pieces, strict=True))
-        return cls(rates, float(tree["residual"]), int(tree["points"]), bool(tree["complete"]))
-
-    @property
-    def critical(self) -> Any:
-        """The block of the largest growth rate."""
-        return max(self.rates, key=lambda block: float(self.rates[block][0]))
-
-    @property
-    def mu_crit(self) -> float:
-        """The largest growth rate, exact kernels left out."""
-        return float(self.rates[self.critical][0])
 
 
 MANY = 420
 """Fourier points of a period beyond which fewer are tried first than seven in each unit: their cubes are long to wait for."""
-
-ROUNDING = 1e-12
-"""Error of growth rates by the largest of them."""
 
 _KEPT = 12
 """Growth rates kept of each block, besides the positive ones."""
@@ -232,6 +164,6 @@ def spectrum(
             rates[block] = found[: _KEPT + int((found > 0).sum())]
         largest = max(float(rates[block][0]) for block in rates if block.n == n)
         if n >= 2 and largest < 0 and largest < before:
-            return Spectrum(rates, residual, points)
+            return Spectrum.of(rates, residual, points=points)
         before = largest
-    return Spectrum(rates, residual, points, complete=False)
+    return Spectrum.of(rates, residual, complete=False, points=points)

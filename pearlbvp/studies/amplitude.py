@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchPoint, SpecialPoint
 from pearlbvp.continuation.path import Point
+from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, positive
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
-from pearlbvp.representation import brief
 from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation, exchange_lengths, meeting_c0
 from pearlbvp.theory.dispersion import Mode, critical_lambda2, growth_rate, stable_interval
 
@@ -82,26 +82,14 @@ class Prediction:
         return 2 * float(u[0])
 
 
-@dataclass(frozen=True)
-class PredictedSpectrum:
-    """Stability on a predicted branch, to leading order: the cylinder's other modes, and the mode's own perturbations.
+class Wave(NamedTuple):
+    """A wave of the cylinder, or the branch's own, as a block of one growth rate."""
 
-    Attributes:
-        rates: growth rates by name.
-        n_unstable: dimension of the unstable space.
-        mu_crit: the largest growth rate.
-        critical: whose it is.
-        residual: error of the rates, which a prediction does not know.
-    """
+    name: str
+    multiplicity: int
 
-    __repr__ = brief
-
-    rates: Mapping[str, Array]
-    n_unstable: int
-    mu_crit: float
-    critical: str
-    complete: bool = True
-    residual: float = math.nan
+    def __str__(self) -> str:
+        return self.name
 
 
 def _other_modes(equation: AmplitudeEquation) -> list[tuple[Mode, int, float]]:
@@ -152,18 +140,13 @@ def predicted_branch(
     end = equation.at(family, largest)
     if end["v"] <= 0 or end["r_min"] <= 0:
         raise InputError(f"largest: at A = {largest:g} the predicted {family} has no volume or no radius; go less far")
-    problem, own, others = Prediction(equation, family), equation.own_rate(family), _other_modes(equation)
-    grown = sum(multiplicity for _, multiplicity, rate in others if rate > 0)
+    problem, own = Prediction(equation, family), equation.own_rate(family)
+    others = {Wave(f"m={m} n={n}", count): np.array([rate]) for (m, n), count, rate in _other_modes(equation)}
+    itself = Wave("own", 2 if family == "coil" else 1)
     found = []
     for A in np.linspace(0, largest, points):
-        rates = {f"m={m} n={n}": rate for (m, n), _, rate in others}
-        if own:
-            rates["own"] = own * A**2
-        critical = max(rates, key=rates.__getitem__, default="")
-        count = grown + (0 if own * A**2 <= 0 else 2 if family == "coil" else 1)
-        spectrum = PredictedSpectrum(
-            {name: np.array([rate]) for name, rate in rates.items()}, count, rates.get(critical, -math.inf), critical
-        )
+        rates = others | ({itself: np.array([own * A**2])} if own else {})
+        spectrum = Spectrum(rates, math.nan, neutral=0.0)  # a prediction does not know its error
         u = np.array([A])
         found.append(BranchPoint(Point(problem, u, np.ones(1), problem.observables(u)), spectrum))  # type: ignore[type-var]
     special: list[SpecialPoint[Any]] = [SpecialPoint("start", 0), SpecialPoint("end", points - 1)]

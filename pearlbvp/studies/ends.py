@@ -53,10 +53,10 @@ def _pearl_limit(problem: PearlProblem, point: BranchPoint[Any]) -> str | None:
 def _tube_limit(problem: TubeProblem, point: BranchPoint[Any]) -> str | None:
     if point.observables["r_min"] <= 0:
         return "a cross-section is no longer star-shaped about its centre, as reduced modes need it"
-    if point.spectrum.kernel > RESOLVED_TUBE * problem.wave_number**4:
+    if point.spectrum.residual > RESOLVED_TUBE * problem.wave_number**4:
         size = " x ".join(str(most) for most in problem.size if most)
         return Sentence(
             f"its growth rates are known to {{rate:.0e}} only, as its rigid motions show: {size} modes do not resolve it",
-            rate=point.spectrum.kernel,
+            rate=point.spectrum.residual,
         )
     return None

@@ -11,25 +11,25 @@ from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, con
 from pearlbvp.continuation.storage import KIND, UNDEFINED, branch_of_tree, branch_tree
 from pearlbvp.hdf5 import load_tree, save_tree
 from pearlbvp.mesh.problem import MeshProblem
-from pearlbvp.mesh.spectrum import MeshSpectrum
+from pearlbvp.mesh.spectrum import MeshBlock
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.ring import RingProblem
-from pearlbvp.stability.planar import PlanarSpectrum
-from pearlbvp.stability.spectrum import Spectrum
+from pearlbvp.stability.planar import PlanarBlock
+from pearlbvp.stability.spectrum import Block
 from pearlbvp.studies import branch as pearls
 from pearlbvp.studies import mesh as meshes
 from pearlbvp.studies import ring as rings
 from pearlbvp.studies import tube as tubes
 from pearlbvp.tube.problem import TubeProblem
-from pearlbvp.tube.spectrum import TubeSpectrum
+from pearlbvp.tube.symmetry import TubeBlock
 
 KINDS = {
-    "pearl": (PearlProblem.from_tree, Spectrum.from_tree),
-    "ring": (RingProblem.from_tree, PlanarSpectrum.from_tree),
-    "tube": (TubeProblem.from_tree, TubeSpectrum.from_tree),
-    "mesh": (MeshProblem.from_tree, MeshSpectrum.from_tree),
+    "pearl": (PearlProblem.from_tree, Block),
+    "ring": (RingProblem.from_tree, PlanarBlock),
+    "tube": (TubeProblem.from_tree, TubeBlock),
+    "mesh": (MeshProblem.from_tree, MeshBlock),
 }
-"""How problems and spectra of a branch are read, by the kind that its file names."""
+"""How problems of a branch are read, and what their symmetry blocks are, by the kind that its file names."""
 
 
 def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "save") -> None:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import SHORT_WAVE
 from pearlbvp.projection import of_section
@@ -26,7 +27,7 @@ from pearlbvp.representation import brief
 from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Mode, sections
 from pearlbvp.tube.rigid import rigid_motions
-from pearlbvp.tube.spectrum import Equilibrium, Fixed, TubeSpectrum, block_rates
+from pearlbvp.tube.spectrum import Equilibrium, Fixed, block_rates
 from pearlbvp.tube.symmetry import TubeBlock, TubeSymmetry, ellipse
 from pearlbvp.tube.waves import Cell, ModeWaves
 
@@ -434,7 +435,7 @@ class TubeProblem:
         motions = rigid_motions(known, modes.modes, self.symmetry.turns)
         return block_rates(equilibrium, modes, motions, self.fixed)
 
-    def spectrum(self, u: Array) -> TubeSpectrum:
+    def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit the tube."""
         reach = self._reach(u)
         equilibrium, known = self._perturbed(u, reach), self.known(u)
@@ -442,9 +443,9 @@ class TubeProblem:
         for block, modes in zip(blocks, self._stretched(u, *blocks.values()), strict=True):
             rates[block], error = self._rates(equilibrium, known, modes)
             kernel = max(kernel, error)
-        return TubeSpectrum(rates, kernel)
+        return Spectrum.of(rates, kernel)
 
-    def block_rates(self, u: Array, block: TubeBlock, like: TubeSpectrum) -> Array:
+    def block_rates(self, u: Array, block: TubeBlock, like: Spectrum) -> Array:
         """Growth rates in one block."""
         reach = self._reach(u)
         (modes,) = self._stretched(u, self._blocks(reach)[block])

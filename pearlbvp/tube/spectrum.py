@@ -7,20 +7,19 @@ solution (design, §7).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from scipy.linalg import cholesky, eigh, solve_triangular
 
 from pearlbvp.collocation.scheme import Array
+from pearlbvp.constrained import restricted
 from pearlbvp.errors import SpectrumError
 from pearlbvp.representation import brief
-from pearlbvp.stability.spectrum import ROUNDING
 from pearlbvp.tube.density import gradients, hessians
-from pearlbvp.tube.symmetry import TubeBlock
 from pearlbvp.tube.waves import (
     IMAGINARY_JETS,
     Cell,
@@ -34,78 +33,6 @@ from pearlbvp.tube.waves import (
 )
 
 Fixed = Literal["area and volume", "area"]
-
-RESOLVED = 1e-7
-"""Error of a rigid motion, which should have growth rate 0, up to which a solution is called resolved."""
-
-
-@dataclass(frozen=True)
-class TubeSpectrum:
-    """Growth rates of a tube.
-
-    Attributes:
-        rates: of each block the largest, all positive ones among them, largest first, rigid motions left out.
-        kernel: largest error of a rigid motion as a kernel: 0 on an exact solution, and the error of all rates.
-        complete: whether all unstable perturbations were counted.
-    """
-
-    __repr__ = brief
-
-    rates: Mapping[TubeBlock, Array]
-    kernel: float
-    complete: bool = True
-
-    @property
-    def resolved(self) -> bool:
-        """Whether the modes resolve the solution."""
-        return self.kernel <= RESOLVED
-
-    @property
-    def residual(self) -> float:
-        """Error of the rates, as ``Spectrum`` of pearls has it."""
-        return self.kernel
-
-    @property
-    def neutral(self) -> float:
-        """Growth rates of this size are zero to the accuracy of the spectrum: its kernels', and rounding."""
-        largest = max((float(np.abs(rates).max(initial=0.0)) for rates in self.rates.values()), default=0.0)
-        return 1e-9 + ROUNDING * largest + 10 * self.kernel
-
-    @property
-    def n_unstable(self) -> int:
-        """Dimension of the unstable space; at a branch point its neutral perturbation is not counted."""
-        return sum(block.multiplicity * int((rates > self.neutral).sum()) for block, rates in self.rates.items())
-
-    @property
-    def critical(self) -> TubeBlock:
-        """The block of the largest growth rate."""
-        return max(self.rates, key=lambda block: self.rates[block][0] if len(self.rates[block]) else -np.inf)
-
-    @property
-    def mu_crit(self) -> float:
-        """The largest growth rate."""
-        return float(self.rates[self.critical][0])
-
-    def to_tree(self) -> dict[str, Any]:
-        """Everything as arrays, numbers and words, to be saved."""
-        return {
-            "names": ";".join(block.name for block in self.rates),
-            "blocks": np.array([block[1:] for block in self.rates], dtype=np.int64),
-            "rates": np.concatenate(list(self.rates.values())),
-            "sizes": np.array([len(rates) for rates in self.rates.values()], dtype=np.int64),
-            "kernel": self.kernel,
-            "complete": self.complete,
-        }
-
-    @classmethod
-    def from_tree(cls, tree: Mapping[str, Any]) -> TubeSpectrum:
-        """The inverse of ``to_tree``."""
-        names = str(tree["names"]).split(";")
-        blocks = [TubeBlock(name, *map(int, row)) for name, row in zip(names, tree["blocks"], strict=True)]
-        pieces = np.split(np.asarray(tree["rates"], dtype=float), np.cumsum(tree["sizes"])[:-1])
-        rates = dict(zip(blocks, pieces, strict=True))
-        return cls(rates, float(tree["kernel"]), bool(tree["complete"]))
-
 
 KEPT = 8
 """Growth rates that are kept of each block, at least."""
@@ -255,7 +182,7 @@ def block_rates(
         if weight > 1e-12 * kernel @ kernel:  # else it moves the surface along itself
             moving.append(kernel / np.sqrt(weight))
             rows.append(mass @ kernel)
-    restricted_second, restricted_mass = _restricted(rows, second, mass)
+    restricted_second, restricted_mass = restricted(rows, second, mass)
     size = len(restricted_second)
     if size == 0:
         return np.zeros(0), 0.0
@@ -300,29 +227,3 @@ def _residual(second: Array, mass: Array, kernel: Array, largest: float) -> floa
     shift = 1 + max(0.0, largest)
     error = np.linalg.solve(second + shift * mass, second @ kernel)
     return float(np.sqrt(abs(error @ mass @ error)))
-
-
-def _restricted(rows: Sequence[Array], *matrices: Array) -> list[Array]:
-    """Symmetric matrices on the vectors that all rows annihilate.
-
-    Householder reflections turn the rows into the first unit vectors (G. H. Golub, C. F. Van Loan, Matrix Computations
-    (Johns Hopkins 2013), §5.1): that costs a few products with vectors, not with matrices.
-    """
-    if not rows:
-        return list(matrices)
-    unit = np.array([row / np.linalg.norm(row) for row in rows])
-    vectors, singular, _ = np.linalg.svd(unit.T, full_matrices=False)
-    rank = int((singular > 1e-9).sum())
-    vectors = vectors[:, :rank]
-    found = [matrix.copy() for matrix in matrices]
-    for i in range(rank):
-        reflector = vectors[:, i].copy()
-        reflector[:i] = 0.0
-        reflector[i] += np.copysign(np.linalg.norm(reflector), reflector[i])
-        reflector /= np.linalg.norm(reflector)
-        vectors -= 2 * np.outer(reflector, reflector @ vectors)
-        for matrix in found:
-            product = matrix @ reflector
-            product -= (reflector @ product) * reflector
-            matrix -= 2 * (np.outer(reflector, product) + np.outer(product, reflector))
-    return [matrix[rank:, rank:] for matrix in found]

@@ -69,7 +69,7 @@ def main():
     buckle = tube_branch(0.0, 10, "buckle", (1, 1), branch_options({"v": 0.85})).points[-1]
     print(
         f"buckle v = 0.85: error of lambda2 {error_of_modes(buckle.point, (40, 40)):.1e} (1e-8), "
-        f"rigid motions {buckle.spectrum.kernel:.0e} (1e-7), modes {buckle.point.problem.size}"
+        f"rigid motions {buckle.spectrum.residual:.0e} (1e-7), modes {buckle.point.problem.size}"
     )
     point = tube_branch(0.0, 10, "buckle", (1, 1), branch_options({"v": 0.95})).points[-1].point
     problem = point.problem.resized((12, 12))

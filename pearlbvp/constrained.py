@@ -1,0 +1,66 @@
+"""Symmetric matrices on the vectors that some rows annihilate: constraints and exact kernels, taken out by one projection."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def independent_directions(rows: Sequence[NDArray[Any]], size: int) -> NDArray[Any]:
+    """Orthonormal vectors that span some rows, as columns, shape (size, rank); rows that vanish or repeat count for nothing."""
+    lengths = [float(np.linalg.norm(row)) for row in rows]
+    least = NOTHING * max(lengths, default=0.0)
+    unit = [row / length for row, length in zip(rows, lengths, strict=True) if length > least]
+    if not unit:
+        return np.zeros((size, 0))
+    vectors, singular, _ = np.linalg.svd(np.array(unit).T, full_matrices=False)
+    return np.asarray(vectors[:, : int((singular > DEPENDENT).sum())])
+
+
+NOTHING, DEPENDENT = 1e-10, 1e-8
+"""Length of rows that vanish, by the longest; singular value of unit rows at which one is a sum of the others, as those of
+area and volume are on a surface of constant mean curvature."""
+
+
+def restricted(rows: Sequence[NDArray[Any]], *matrices: NDArray[Any]) -> list[NDArray[Any]]:
+    """Hermitian matrices on the vectors that all rows annihilate, shape (size - rank, size - rank) each.
+
+    Householder reflections turn the rows into the first unit vectors (G. H. Golub, C. F. Van Loan, Matrix Computations
+    (Johns Hopkins 2013), §5.1): that costs a few products with vectors, not with matrices.
+    """
+    reflectors = _reflectors(independent_directions(rows, len(matrices[0])))
+    found = [matrix.copy() for matrix in matrices]
+    for reflector in reflectors:
+        for matrix in found:
+            product = matrix @ reflector
+            product -= (reflector.conj() @ product) * reflector
+            matrix -= 2 * (np.outer(reflector, product.conj()) + np.outer(product, reflector.conj()))
+    return [matrix[len(reflectors) :, len(reflectors) :] for matrix in found]
+
+
+def lifted(rows: Sequence[NDArray[Any]], vectors: Array) -> Array:
+    """Vectors of the restricted space, as columns, in the whole one: those that all rows annihilate."""
+    reflectors = _reflectors(independent_directions(rows, len(vectors)))
+    whole = np.concatenate((np.zeros((len(reflectors), vectors.shape[1])), vectors))
+    for reflector in reversed(reflectors):
+        whole = whole - 2 * np.outer(reflector, reflector @ whole)
+    return whole
+
+
+def _reflectors(vectors: NDArray[Any]) -> list[NDArray[Any]]:
+    """Unit vectors of the reflections that turn orthonormal columns, one after the other, into the first unit vectors."""
+    vectors, found = vectors.copy(), []
+    for i in range(vectors.shape[1]):
+        reflector = vectors[:, i].copy()
+        reflector[:i] = 0.0
+        phase = reflector[i] / abs(reflector[i]) if reflector[i] else 1.0
+        reflector[i] += phase * np.linalg.norm(reflector)
+        reflector /= np.linalg.norm(reflector)
+        vectors -= 2 * np.outer(reflector, reflector.conj() @ vectors)
+        found.append(reflector)
+    return found
