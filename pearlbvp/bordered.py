@@ -12,14 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.representation import brief
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 def factorized(matrix: sparse.csc_matrix) -> Any:

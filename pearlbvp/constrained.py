@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pearlbvp.arrays import Array
 
 
 def independent_directions(rows: Sequence[NDArray[Any]], size: int) -> NDArray[Any]:

@@ -9,8 +9,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 from pearlbvp.errors import InputError
+
+Fixed = Literal["area and volume", "area", "nothing"]
+"""What perturbations must keep; with the area alone, the pressure difference is given."""
 
 SHORT_WAVE = 4.0
 """Wave number beyond which amplitudes and multipliers of a branch are measured by powers of it, as they are of its size."""

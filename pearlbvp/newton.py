@@ -6,11 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pearlbvp.arrays import Array
 from pearlbvp.representation import brief
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pearlbvp.arrays import Array
 from pearlbvp.representation import brief
-
-Array = NDArray[np.float64]
 
 COVERED = 0.01
 """Share of the straight tube by which a surface's projection may miss it, by quadrature; else the axis is not inside of it."""

@@ -12,10 +12,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation.elimination import LinearSystem, solve
 from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, apply_basis, integrated_product
 from pearlbvp.collocation.problem import BoundaryValueProblem
-from pearlbvp.collocation.scheme import Array, Scheme
+from pearlbvp.collocation.scheme import Scheme
 from pearlbvp.representation import brief
 
 

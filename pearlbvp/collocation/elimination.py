@@ -26,8 +26,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation.polynomial import apply_basis
-from pearlbvp.collocation.scheme import Array, Scheme
+from pearlbvp.collocation.scheme import Scheme
 from pearlbvp.compiled import compiled
 
 

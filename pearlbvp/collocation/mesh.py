@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation.polynomial import PiecewisePolynomial
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.compiled import compiled
 
 

@@ -6,14 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import (
-    Array,
-    Scheme,
-    derivative_matrix,
-    gauss_scheme,
-    integration_matrix,
-    lagrange_matrix,
-)
+from pearlbvp.arrays import Array
+from pearlbvp.collocation.scheme import Scheme, derivative_matrix, gauss_scheme, integration_matrix, lagrange_matrix
 from pearlbvp.compiled import compiled
 from pearlbvp.representation import brief
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.representation import brief
 
 

@@ -12,11 +12,9 @@ from functools import cache
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
+from pearlbvp.arrays import Array
 from pearlbvp.representation import brief
-
-Array = NDArray[np.float64]
 
 
 def barycentric_weights(points: Array) -> Array:

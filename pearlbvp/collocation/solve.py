@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation.discretization import Discretization
 from pearlbvp.collocation.mesh import equidistribute, error_estimate, intervals_for
 from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points
 from pearlbvp.collocation.problem import BoundaryValueProblem
-from pearlbvp.collocation.scheme import Array, gauss_scheme
+from pearlbvp.collocation.scheme import gauss_scheme
 from pearlbvp.newton import NewtonOptions, newton
 from pearlbvp.representation import brief
 

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.description import described, described_point
 from pearlbvp.continuation.events import Event, events_between, first_wanted, has_value, value_of
 from pearlbvp.continuation.path import P, Path, PathEnd, PathOptions, Point, steps
-from pearlbvp.continuation.problem import Array, Problem
+from pearlbvp.continuation.problem import Problem
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError, interrupted

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.interpolation import interpolate
 from pearlbvp.continuation.path import P, Point, correct
-from pearlbvp.continuation.problem import Array
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.representation import brief
 

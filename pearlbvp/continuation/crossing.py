@@ -10,7 +10,8 @@ import math
 
 import numpy as np
 
-from pearlbvp.continuation.problem import Array, Problem
+from pearlbvp.arrays import Array
+from pearlbvp.continuation.problem import Problem
 
 
 def crossing_direction(problem: Problem, u: Array, tangent: Array, seed: int = 0) -> Array:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from pearlbvp.continuation.problem import Array
+from pearlbvp.arrays import Array
 
 
 def interpolate(at: float, known: dict[float, Array], apart: float = 0.0) -> Array:

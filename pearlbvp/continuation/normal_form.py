@@ -17,8 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.crossing import crossing_direction
-from pearlbvp.continuation.problem import Array, Problem
+from pearlbvp.continuation.problem import Problem
 from pearlbvp.representation import brief
 
 

@@ -13,8 +13,9 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.interpolation import interpolate
-from pearlbvp.continuation.problem import Array, Problem
+from pearlbvp.continuation.problem import Problem
 from pearlbvp.newton import NewtonOptions, NewtonResult, newton
 from pearlbvp.representation import brief
 

@@ -10,10 +10,10 @@ from typing import Generic
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.crossing import correct_beside
 from pearlbvp.continuation.interpolation import interpolate
 from pearlbvp.continuation.path import SAFETY, P, PathEnd, Point, correct
-from pearlbvp.continuation.problem import Array
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.representation import brief
 

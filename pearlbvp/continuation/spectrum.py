@@ -10,7 +10,7 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 
-from pearlbvp.continuation.problem import Array
+from pearlbvp.arrays import Array
 from pearlbvp.representation import brief
 
 

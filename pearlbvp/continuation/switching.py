@@ -11,9 +11,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, SpecialPoint, continue_branch, start_point
 from pearlbvp.continuation.crossing import crossing_direction
-from pearlbvp.continuation.problem import Array, Problem
+from pearlbvp.continuation.problem import Problem
 
 P = TypeVar("P", bound=Problem)
 

@@ -16,8 +16,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, SpecialPoint, continue_branch, start_point
-from pearlbvp.continuation.problem import Array
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.representation import brief
 

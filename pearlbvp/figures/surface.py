@@ -11,7 +11,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import LightSource, to_rgb
 from matplotlib.figure import Figure
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, BranchPoint
 from pearlbvp.figures.canvas import new_blank, own_style
 from pearlbvp.mesh.periodic import PeriodicMesh

@@ -22,9 +22,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError, interrupted
 from pearlbvp.flow.integrator import Tolerances, integrator
-from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.flow.problem import FlowProblem
 from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState, Record, Status
 from pearlbvp.flow.steady import polished
 from pearlbvp.units import Sentence

@@ -18,8 +18,9 @@ from scipy.sparse import issparse
 os.environ.setdefault("SUNLOGGER_ERROR_FILENAME", os.devnull)
 from sksundae.ida import IDA, IDAJacTimes, IDAPrecond
 
+from pearlbvp.arrays import Array
 from pearlbvp.bordered import Bordered, Pinned
-from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.flow.problem import FlowProblem
 
 IGNORED = 1e8
 """Absolute tolerance of the multipliers, at which IDA's error test ignores them."""

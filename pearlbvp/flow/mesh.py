@@ -19,15 +19,17 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from pearlbvp.arrays import Array
 from pearlbvp.bordered import factorized
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Trouble, check_law
+from pearlbvp.flow.problem import Law, Trouble, check_law
+from pearlbvp.helfrich import Fixed
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.sections import distances, radii
-from pearlbvp.mesh.spectrum import Fixed, independent
+from pearlbvp.mesh.spectrum import independent
 from pearlbvp.representation import brief
 from pearlbvp.units import Sentence
 

@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.flow.problem import FlowProblem
 
 SUBSTEPS = 8
 

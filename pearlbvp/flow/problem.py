@@ -12,12 +12,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple, Protocol, get_args
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
-
-Array = NDArray[np.float64]
 
 Law = Literal["area and volume", "area", "diffusion"]
 """What the flow keeps: area and volume; the area alone, at given pressure difference; or the area in the ``H^-1`` flow

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.arrays import Array
+from pearlbvp.flow.problem import FlowProblem
 from pearlbvp.representation import brief
 
 if TYPE_CHECKING:

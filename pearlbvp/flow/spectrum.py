@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from scipy.linalg import eigh
 
+from pearlbvp.arrays import Array
 from pearlbvp.constrained import lifted, restricted
-from pearlbvp.flow.problem import Array
 
 
 def growth_rates(second: Array, mass: Array, rows: Array, kernels: Array, count: int) -> tuple[Array, Array]:

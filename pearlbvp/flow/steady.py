@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import issparse
 
+from pearlbvp.arrays import Array
 from pearlbvp.bordered import Pinned
-from pearlbvp.flow.problem import Array, FlowProblem
+from pearlbvp.flow.problem import FlowProblem
 from pearlbvp.flow.record import Equilibrium
 from pearlbvp.newton import NewtonOptions, newton
 

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pearlbvp.arrays import Array
 from pearlbvp.tube.modes import Mode
-
-Array = NDArray[np.float64]
 
 
 class Field(NamedTuple):

@@ -16,8 +16,9 @@ from typing import Any, get_args
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Array, Law, Trouble, check_law
+from pearlbvp.flow.problem import Law, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
 from pearlbvp.flow.tensor import DISPLACEMENT, FIELDS, Tensor
 from pearlbvp.representation import brief

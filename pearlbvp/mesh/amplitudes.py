@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.functional import Functional
-from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.subdivision import patches
 from pearlbvp.projection import Projection
 

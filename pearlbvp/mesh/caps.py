@@ -10,7 +10,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from pearlbvp.mesh.periodic import Array, Integers
+from pearlbvp.arrays import Array, Integers
 
 Mask = NDArray[np.bool_]
 

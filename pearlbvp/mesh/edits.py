@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
+from pearlbvp.arrays import Array, Integers
+from pearlbvp.mesh.periodic import PeriodicMesh
 
 
 def apart(mesh: PeriodicMesh, half_edges: Integers, rings: bool) -> Integers:

@@ -35,9 +35,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.adaptation import AdaptOptions, adapted, measured
-from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.units import Sentence
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.errors import InputError
 from pearlbvp.files import read_whole, writable, write_whole
 from pearlbvp.helfrich import positive
@@ -20,7 +21,7 @@ from pearlbvp.mesh.formats.ply import read_ply
 from pearlbvp.mesh.formats.soup import Soup, Unreadable
 from pearlbvp.mesh.formats.vtk import read_vtk
 from pearlbvp.mesh.formats.xml import read_xml
-from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.tube import tube_of
 from pearlbvp.units import Sentence
 

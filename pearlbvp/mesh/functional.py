@@ -21,9 +21,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy import sparse
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.mesh.limit import limit_mass, limit_sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals, volume_gradient
-from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.polyhedron import star_sums
 from pearlbvp.mesh.subdivision import Patches, limit_matrix, patches
 from pearlbvp.representation import brief

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.arrays import Array
+from pearlbvp.mesh.periodic import PeriodicMesh
 
 
 def cotangents(mesh: PeriodicMesh) -> Array:

@@ -11,14 +11,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
 from pearlbvp.representation import brief
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 WORST = 100.0
 """Quality (eq. (mq)) beyond which a triangle is a sliver. Equilateral triangles have ``2 sqrt(3) = 3.46``."""

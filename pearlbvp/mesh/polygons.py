@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.errors import InputError
-from pearlbvp.mesh.periodic import Array, Integers
 
 TIE = 1e-3
 """Relative difference of a quad's diagonals below which they are equally long, and the first is taken: digits do not decide."""

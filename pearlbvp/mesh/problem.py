@@ -19,9 +19,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Pinned, spread
 from pearlbvp.continuation.path import correct
 from pearlbvp.continuation.spectrum import Spectrum
+from pearlbvp.helfrich import Fixed
 from pearlbvp.mesh.adaptation import (
     AdaptOptions,
     adapted,
@@ -34,10 +36,10 @@ from pearlbvp.mesh.adaptation import (
 from pearlbvp.mesh.amplitudes import largest_wave
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
-from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.sections import radii
-from pearlbvp.mesh.spectrum import NEUTRAL, Fixed, MeshBlock, Modes, independent, leading
+from pearlbvp.mesh.spectrum import NEUTRAL, MeshBlock, Modes, independent, leading
 from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.mesh.symmetry import mean, orbits
 from pearlbvp.newton import NewtonOptions

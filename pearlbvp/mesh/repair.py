@@ -10,9 +10,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.formats.soup import Soup
-from pearlbvp.mesh.periodic import Array, Integers, MeshError
+from pearlbvp.mesh.periodic import MeshError
 from pearlbvp.mesh.polygons import split
 
 SAME = 1e-5

@@ -15,8 +15,9 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.mesh.operators import vertex_normals
-from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.subdivision import limit_matrix
 from pearlbvp.representation import brief
 

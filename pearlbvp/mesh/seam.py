@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_matrix
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.caps import edges_of, loops_of, translation
-from pearlbvp.mesh.periodic import Array, Integers
 from pearlbvp.mesh.repair import joined_points
 
 SEAM = 1e-2

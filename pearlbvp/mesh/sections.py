@@ -7,9 +7,10 @@ import math
 import numpy as np
 from scipy.linalg import toeplitz
 
+from pearlbvp.arrays import Array
 from pearlbvp.compiled import compiled
 from pearlbvp.mesh.functional import Functional
-from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.subdivision import Patches
 
 PLANES = 48

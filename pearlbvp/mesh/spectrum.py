@@ -11,20 +11,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
 from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator, eigsh
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Bordered, Pinned
 from pearlbvp.constrained import lifted, restricted
-from pearlbvp.mesh.periodic import Array, Integers
 from pearlbvp.mesh.symmetry import mean
 from pearlbvp.representation import brief
-
-Fixed = Literal["area and volume", "area"]
 
 NEUTRAL = 1e-9
 """Growth rates of this size are zero to the accuracy of the arithmetic."""

@@ -9,11 +9,12 @@ from typing import Any, Literal
 import numpy as np
 from scipy.sparse.linalg import splu
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, cylinder_lambda1
 from pearlbvp.mesh.functional import Functional, Kind
-from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem, about, with_phases
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.theory.amplitude import linear

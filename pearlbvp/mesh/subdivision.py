@@ -18,7 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
+from pearlbvp.arrays import Array, Integers
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.representation import brief
 
 DERIVATIVES = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))

@@ -13,14 +13,12 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from pearlbvp.mesh.periodic import Array, Integers, PeriodicMesh
-
-Complex = NDArray[np.complex128]
+from pearlbvp.arrays import Array, Complex, Integers
+from pearlbvp.mesh.periodic import PeriodicMesh
 
 SAME = 1e-6
 """Distances, in mean edges, and differences, by the largest value, that are none."""

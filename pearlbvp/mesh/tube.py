@@ -8,10 +8,11 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.caps import Mask, caps, edges_of, loops_of
 from pearlbvp.mesh.formats.soup import Soup
-from pearlbvp.mesh.periodic import Array, Integers, MeshError, PeriodicMesh
+from pearlbvp.mesh.periodic import MeshError, PeriodicMesh
 from pearlbvp.mesh.repair import SAME, Surface, counted, repaired
 from pearlbvp.mesh.seam import SEAM, Seam, named, of_ends, of_wrapped, overlap, turned
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation import BoundaryValueProblem, PiecewisePolynomial
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.shapes import axisymmetric, tension
 
 _ENDS = np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 6))

@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation import Discretization, gauss_scheme
 from pearlbvp.collocation.polynomial import all_points
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions, newton
 from pearlbvp.shapes.cells import HALF_CELL

@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation import (
     Discretization,
     PiecewisePolynomial,
@@ -24,13 +25,12 @@ from pearlbvp.collocation import (
     intervals_for,
 )
 from pearlbvp.collocation.polynomial import all_points, extremes
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.helfrich import SHORT_WAVE, Tube, cylinder_lambda1
+from pearlbvp.helfrich import SHORT_WAVE, Fixed, Tube, cylinder_lambda1
 from pearlbvp.representation import brief
 from pearlbvp.shapes import axisymmetric, tension
 from pearlbvp.shapes.cells import HALF_CELL, HALF_CELL_TENSION, full_cell
-from pearlbvp.stability.bloch import Fixed, SecondVariation
+from pearlbvp.stability.bloch import SecondVariation
 from pearlbvp.stability.profile import Profile
 from pearlbvp.stability.spectrum import Block, block_rates, spectrum
 from pearlbvp.theory.dispersion import critical_lambda2

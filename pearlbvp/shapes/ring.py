@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation import (
     BoundaryValueProblem,
     Discretization,
@@ -34,12 +35,10 @@ from pearlbvp.collocation import (
     intervals_for,
 )
 from pearlbvp.collocation.polynomial import all_points
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.helfrich import Tube
+from pearlbvp.helfrich import Fixed, Tube
 from pearlbvp.projection import of_section
 from pearlbvp.representation import brief
-from pearlbvp.stability.bloch import Fixed
 from pearlbvp.stability.planar import PlanarBlock, PlaneProfile, planar_rates, planar_spectrum
 from pearlbvp.theory.elastica import lobes
 

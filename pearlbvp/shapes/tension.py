@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.compiled import compiled
 
 STATES = ("r", "psi", "g", "omega")

@@ -15,18 +15,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.constrained import restricted
+from pearlbvp.helfrich import Fixed
 from pearlbvp.representation import brief
 from pearlbvp.stability.profile import Profile, curvatures
-
-Fixed = Literal["area and volume", "area", "nothing"]
-"""What perturbations must keep; with the area alone, the pressure difference is given."""
 
 _GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
 

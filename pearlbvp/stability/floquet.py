@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation.elimination import transfer_pencil
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.stability.profile import Profile, curvatures
 
 

@@ -28,12 +28,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.constrained import restricted
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
+from pearlbvp.helfrich import Fixed
 from pearlbvp.representation import brief
-from pearlbvp.stability.bloch import Fixed, waves
+from pearlbvp.stability.bloch import waves
 from pearlbvp.stability.spectrum import kernel_residual
 
 MOST_WAVES = 2000

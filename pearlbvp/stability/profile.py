@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation import PiecewisePolynomial
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.projection import Projection
 from pearlbvp.representation import brief
 

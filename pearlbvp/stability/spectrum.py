@@ -13,11 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.constrained import restricted
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
-from pearlbvp.stability.bloch import Fixed, SecondVariation, isothermal_points
+from pearlbvp.helfrich import Fixed
+from pearlbvp.stability.bloch import SecondVariation, isothermal_points
 from pearlbvp.stability.profile import Profile
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, BranchPoint, SpecialPoint
 from pearlbvp.continuation.path import Point
 from pearlbvp.continuation.spectrum import Spectrum
@@ -18,7 +18,7 @@ from pearlbvp.helfrich import Tube, positive
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation, exchange_lengths, meeting_c0
-from pearlbvp.theory.dispersion import Mode, critical_lambda2, growth_rate, stable_interval
+from pearlbvp.theory.dispersion import WaveNumbers, critical_lambda2, growth_rate, stable_interval
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,7 +35,7 @@ def criticality(equation: AmplitudeEquation) -> str:
     return next(iter(words.values())) if len(words) == 1 else ", ".join(f"{f} {word}" for f, word in words.items())
 
 
-def coefficients(c0: float, length: float, modes: Iterable[Mode]) -> pd.DataFrame:
+def coefficients(c0: float, length: float, modes: Iterable[WaveNumbers]) -> pd.DataFrame:
     """The coefficients of the amplitude equations of some modes of a tube.
 
     Args:
@@ -92,7 +92,7 @@ class Wave(NamedTuple):
         return self.name
 
 
-def _other_modes(equation: AmplitudeEquation) -> list[tuple[Mode, int, float]]:
+def _other_modes(equation: AmplitudeEquation) -> list[tuple[WaveNumbers, int, float]]:
     """The cylinder's modes at the branch point but the critical one, each with its multiplicity and growth rate.
 
     Those that grow, and the one nearest to it: ``mu > 0`` needs ``k^2 + n^2 < 3 + 2 |lambda2| + 2 |1 - 2 c0|``.
@@ -111,7 +111,12 @@ def _other_modes(equation: AmplitudeEquation) -> list[tuple[Mode, int, float]]:
 
 
 def predicted_branch(
-    c0: float, length: float, mode: Mode, family: Family | None = None, largest: float | None = None, points: int = 41
+    c0: float,
+    length: float,
+    mode: WaveNumbers,
+    family: Family | None = None,
+    largest: float | None = None,
+    points: int = 41,
 ) -> Branch[Any]:
     """The branch that the amplitude equation predicts, as a ``Branch``: every table and plot takes it.
 
@@ -271,7 +276,7 @@ def _instabilities(tube: Tube) -> dict[str, Any]:
     return row
 
 
-def exchange_curve(c0: str | float | Iterable[float], mode: Mode = (1, 1)) -> pd.DataFrame:
+def exchange_curve(c0: str | float | Iterable[float], mode: WaveNumbers = (1, 1)) -> pd.DataFrame:
     """Lengths ``L(c0)`` at which coils and buckles of a mode exchange stability (``b1 = b2``): columns ``c0, L, lambda2``."""
     import pandas as pd
 

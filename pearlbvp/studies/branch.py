@@ -14,11 +14,10 @@ from pearlbvp.continuation.path import PathOptions, Point, correct
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.continuation.two_parameters import NOISE, CurveOnSurface, follow
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, finite, positive
+from pearlbvp.helfrich import Fixed, Tube, finite, positive
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import Centre, PearlProblem, pearling_onset
-from pearlbvp.stability.bloch import Fixed
 from pearlbvp.studies.ends import limit
 from pearlbvp.theory.dispersion import critical_lambda2
 from pearlbvp.units import Sentence

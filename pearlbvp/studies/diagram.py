@@ -17,7 +17,7 @@ from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.studies.ring import ring_branch
 from pearlbvp.studies.saved import kind_of, switched
 from pearlbvp.studies.tube import tube_branch
-from pearlbvp.theory.dispersion import Mode
+from pearlbvp.theory.dispersion import WaveNumbers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -78,7 +78,7 @@ def diagram(
     progress: Callable[[str], None] = lambda name: None,
     *,
     lambda2: tuple[float, float] | None = None,
-    modes: Iterable[Mode] | None = None,
+    modes: Iterable[WaveNumbers] | None = None,
     processes: int = 1,
 ) -> Diagram:
     """Follow branches from the cylinder, and from their branch points on, to a depth.
@@ -154,8 +154,8 @@ def _by_family(options: Options) -> dict[str, BranchOptions]:
 
 
 def _primaries(
-    tube: Tube, lambda2: tuple[float, float] | None, modes: Iterable[Mode] | None
-) -> Iterable[tuple[str, Mode]]:
+    tube: Tube, lambda2: tuple[float, float] | None, modes: Iterable[WaveNumbers] | None
+) -> Iterable[tuple[str, WaveNumbers]]:
     """Families and modes that are wanted, by increasing ``lambda2`` where they are found by it."""
     if lambda2 is not None:
         low, high = (finite("lambda2", value) for value in lambda2)
@@ -191,7 +191,7 @@ def _all_done(tasks: Sequence[_Task], processes: int) -> Sequence[Branch[Any] | 
     return [function(*arguments) for function, arguments in tasks]
 
 
-def _primary(tube: Tube, family: Any, mode: Mode, options: BranchOptions) -> Branch[Any] | str:
+def _primary(tube: Tube, family: Any, mode: WaveNumbers, options: BranchOptions) -> Branch[Any] | str:
     """The branch of a family that leaves the cylinder at a mode."""
     m, n = mode
     try:

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation import PiecewisePolynomial
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.events import SAME_VALUE, value_of
 from pearlbvp.continuation.path import Point

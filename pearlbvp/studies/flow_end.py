@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, SpecialPoint, continue_branch, start_point
 from pearlbvp.continuation.path import Point, correct_at
 from pearlbvp.continuation.switching import tangent_along
@@ -22,6 +22,7 @@ from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.mesh import MeshFlow
 from pearlbvp.flow.record import Equilibrium, FlowResult
 from pearlbvp.flow.tube import TubeFlow
+from pearlbvp.helfrich import Fixed
 from pearlbvp.mesh.problem import MeshProblem, about
 from pearlbvp.mesh.start import solved
 from pearlbvp.newton import NewtonOptions
@@ -33,7 +34,6 @@ from pearlbvp.studies.mesh import SMALLEST_AMPLITUDE
 from pearlbvp.tube.isotropy import NEGLIGIBLE, StandardPosition, standard_position
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import PLANE_TOLERANCE, TubeProblem
-from pearlbvp.tube.spectrum import Fixed
 from pearlbvp.tube.symmetry import TubeSymmetry
 from pearlbvp.units import Units
 

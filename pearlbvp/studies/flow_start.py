@@ -8,8 +8,8 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation import PiecewisePolynomial
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.path import Point
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow

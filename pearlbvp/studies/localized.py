@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.continuation import Path, PathOptions, Point, follow
 from pearlbvp.continuation.chebyshev import PathFunctions, Unresolved, resolve
 from pearlbvp.errors import InputError

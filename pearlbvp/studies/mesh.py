@@ -9,23 +9,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pearlbvp.arrays import Array
 from pearlbvp.collocation import PiecewisePolynomial
-from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
 from pearlbvp.continuation.path import Point
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, cylinder_energy, cylinder_lambda1
+from pearlbvp.helfrich import Fixed, Tube, cylinder_energy, cylinder_lambda1
 from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.families import Surface, carried, tube_mesh
 from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
-from pearlbvp.mesh.spectrum import Fixed
 from pearlbvp.mesh.start import Form, equilibrium, onset
 from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.branch import branch_options, numbered
-from pearlbvp.theory.dispersion import Mode, critical_lambda2
+from pearlbvp.theory.dispersion import WaveNumbers, critical_lambda2
 
 NODES = 3000
 """Vertices of a mesh by default: four digits of the branch points of the straight tube."""
@@ -41,7 +40,7 @@ def mesh_branch(
     c0: float,
     length: float,
     family: Form,
-    mode: Mode,
+    mode: WaveNumbers,
     nodes: int = NODES,
     options: BranchOptions | None = None,
     *,

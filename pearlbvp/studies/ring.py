@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
 from pearlbvp.continuation.path import Point, correct_at
 from pearlbvp.continuation.switching import leave
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube
+from pearlbvp.helfrich import Fixed, Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.ring import RingProblem, ring_onset
-from pearlbvp.stability.bloch import Fixed
 from pearlbvp.studies.branch import COLUMNS, branch_options, numbered
 from pearlbvp.studies.ends import RESOLVED
 from pearlbvp.tube.modes import Mode
@@ -105,7 +103,7 @@ def reduced(point: Point[RingProblem]) -> tuple[TubeProblem, Array, Array]:
         InputError: its section is not star-shaped about its centre.
     """
     ring, observed = point.problem, point.observables
-    problem = TubeProblem(ring_symmetry(ring.n), ring.c0, ring.length, (0, 8), fixed=_tube_fixed(ring.fixed))
+    problem = TubeProblem(ring_symmetry(ring.n), ring.c0, ring.length, (0, 8), fixed=ring.fixed)
     while True:
         try:
             radii = ring.radius_cosines(point.u, problem.size[1] + 1)
@@ -131,10 +129,6 @@ def _volume_direction(point: Point[RingProblem]) -> Array:
     unit = np.zeros_like(point.u)
     unit[-1] = 1.0
     return unit
-
-
-def _tube_fixed(fixed: Fixed) -> Literal["area and volume", "area"]:
-    return "area" if fixed == "area" else "area and volume"
 
 
 def _to_contact(start: Point[RingProblem], options: BranchOptions, *, at_bifurcation: bool) -> Branch[RingProblem]:

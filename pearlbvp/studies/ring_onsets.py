@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.optimize import brentq
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, finite
 from pearlbvp.numbers import as_numbers

@@ -7,19 +7,18 @@ from typing import get_args
 from pearlbvp.continuation.branch import Branch, BranchOptions, continue_branch, start_point
 from pearlbvp.continuation.switching import switch
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube
+from pearlbvp.helfrich import Fixed, Tube
 from pearlbvp.studies.branch import branch_options, numbered
-from pearlbvp.theory.dispersion import Mode
+from pearlbvp.theory.dispersion import WaveNumbers
 from pearlbvp.tube.onset import Family, onset
 from pearlbvp.tube.problem import TubeProblem
-from pearlbvp.tube.spectrum import Fixed
 
 
 def tube_branch(
     c0: float,
     length: float,
     family: Family,
-    mode: Mode,
+    mode: WaveNumbers,
     options: BranchOptions | None = None,
     *,
     fixed: Fixed = "area and volume",

@@ -22,7 +22,7 @@ import numpy as np
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, cylinder_energy, cylinder_lambda1
-from pearlbvp.theory.dispersion import Mode, critical_lambda2, growth_rate, mode_type, stable_interval
+from pearlbvp.theory.dispersion import WaveNumbers, critical_lambda2, growth_rate, mode_type, stable_interval
 
 Family = Literal["pearl", "ring", "coil", "buckle"]
 FAMILIES: dict[str, tuple[Family, ...]] = {
@@ -329,7 +329,7 @@ class AmplitudeEquation:
         return mean - 2 * abs(A), mean + 2 * abs(A)
 
 
-def amplitude_equation(tube: Tube, mode: Mode) -> AmplitudeEquation:
+def amplitude_equation(tube: Tube, mode: WaveNumbers) -> AmplitudeEquation:
     """The reduced equation of a mode ``(m, n)``.
 
     Raises:
@@ -389,7 +389,7 @@ def exchange_lengths(c0: float, m: int = 1, n: int = 1, shortest: float = 2.0, l
     return [float(brentq(difference, lengths[i], lengths[i + 1], xtol=1e-13, rtol=1e-14)) for i in brackets]
 
 
-def meeting_c0(one: Mode, two: Mode, length: float) -> float:
+def meeting_c0(one: WaveNumbers, two: WaveNumbers, length: float) -> float:
     """The ``c0`` at which two modes of a tube are neutral at the same ``lambda2``: a point of codimension two.
 
     Not a number where they never meet. (The paper leaves these out; wrinkling (0,2) and coiling (1,1) meet at

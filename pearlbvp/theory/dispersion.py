@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pearlbvp.helfrich import Tube, finite
 
-Mode = tuple[int, int]
+WaveNumbers = tuple[int, int]
 
 
 def growth_rate(k: ArrayLike, n: ArrayLike, lambda2: ArrayLike, c0: float) -> NDArray[np.float64]:
@@ -60,9 +60,9 @@ class StableInterval:
     """
 
     lower: float
-    lower_mode: Mode | None
+    lower_mode: WaveNumbers | None
     upper: float
-    upper_mode: Mode
+    upper_mode: WaveNumbers
 
     @property
     def exists(self) -> bool:

@@ -34,10 +34,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk, ellipkinc, elliprj
 
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.representation import brief
-
-Array = NDArray[np.float64]
 
 POINTS = 512
 """Equidistant points of a lobe for the mean of ``kappa^2``: the sum converges geometrically."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.tube.waves import Cell, ModeWaves
 
 

@@ -16,11 +16,11 @@ from itertools import combinations
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array, Complex, Integers
 from pearlbvp.representation import brief
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.symmetry import ODD_B, ODD_P, ODD_PHI, ODD_X, PARITIES, TubeSymmetry
-from pearlbvp.tube.torus import Complex, Integers, TorusFunction
+from pearlbvp.tube.torus import TorusFunction
 
 NEGLIGIBLE = 1e-6
 """Coefficients of waves, in radii, below which they are zero: those of an equilibrium are exact to some 1e-10."""

@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.representation import brief
 
 Part = Literal["sigma", "y", "z"]

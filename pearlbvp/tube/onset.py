@@ -6,13 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube
+from pearlbvp.helfrich import Fixed, Tube
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import PLANE_TOLERANCE, TubeProblem
-from pearlbvp.tube.spectrum import Fixed
 from pearlbvp.tube.symmetry import buckle_symmetry, coil_symmetry, pearl_symmetry, ring_symmetry
 
 Family = Literal["pearl", "ring", "coil", "buckle"]

@@ -18,16 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
-from pearlbvp.helfrich import SHORT_WAVE
+from pearlbvp.helfrich import SHORT_WAVE, Fixed
 from pearlbvp.projection import of_section
 from pearlbvp.representation import brief
 from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Mode, sections
 from pearlbvp.tube.rigid import rigid_motions
-from pearlbvp.tube.spectrum import Equilibrium, Fixed, block_rates
+from pearlbvp.tube.spectrum import Equilibrium, block_rates
 from pearlbvp.tube.symmetry import TubeBlock, TubeSymmetry, ellipse
 from pearlbvp.tube.waves import Cell, ModeWaves
 

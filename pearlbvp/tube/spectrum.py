@@ -10,20 +10,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from scipy.linalg import cholesky, eigh, solve_triangular
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array, Complex
 from pearlbvp.constrained import restricted
 from pearlbvp.errors import SpectrumError
+from pearlbvp.helfrich import Fixed
 from pearlbvp.representation import brief
 from pearlbvp.tube.density import gradients, hessians
 from pearlbvp.tube.waves import (
     IMAGINARY_JETS,
     Cell,
-    Complex,
     Forms,
     MatrixTransform,
     ModeWaves,
@@ -31,8 +30,6 @@ from pearlbvp.tube.waves import (
     fields_of_jets,
     matrix_transform,
 )
-
-Fixed = Literal["area and volume", "area"]
 
 KEPT = 8
 """Growth rates that are kept of each block, at least."""

@@ -18,12 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pearlbvp.arrays import Complex, Integers
 from pearlbvp.representation import brief
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.symmetry import product_modes
-
-Integers = NDArray[np.int64]
-Complex = NDArray[np.complex128]
 
 
 def _exponentials(function: str, number: int) -> dict[int, complex]:

@@ -17,12 +17,10 @@ from numpy.typing import NDArray
 from scipy.fft import rfft2
 from scipy.sparse import csc_array, csr_array
 
-from pearlbvp.collocation.scheme import Array
+from pearlbvp.arrays import Array, Complex
 from pearlbvp.compiled import compiled
 from pearlbvp.representation import brief
 from pearlbvp.tube.modes import Mode
-
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)

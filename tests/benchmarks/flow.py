@@ -19,9 +19,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.sparse import issparse
 
+from pearlbvp.arrays import Array
 from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, first_rates, flow
-from pearlbvp.flow.problem import Array
 from pearlbvp.mesh.families import tube_mesh
 from pearlbvp.studies.branch import branch_options, pearl_branch
 from pearlbvp.studies.flow_start import mesh_start, pearl_start, surface_start, tube_start

@@ -16,12 +16,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.adaptation import AdaptOptions, smoothed
 from pearlbvp.mesh.families import edited, graded, jittered, straightened, tube_mesh
 from pearlbvp.mesh.functional import Kind
 from pearlbvp.mesh.operators import mean_curvature
-from pearlbvp.mesh.periodic import Array, PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.start import branch_point, equilibrium, straight
 from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.studies.branch import branch_options, pearl_branch

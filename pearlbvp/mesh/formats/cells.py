@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pearlbvp.arrays import Integers
 from pearlbvp.mesh.formats.soup import Polygons, Unreadable, strips
-from pearlbvp.mesh.periodic import Integers
 
 TRIANGLE, STRIP, POLYGON, QUAD = 5, 6, 7, 9
 IDLE = (1, 2, 3, 4)

@@ -6,8 +6,8 @@ from itertools import islice
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.mesh.formats.soup import Soup, Unreadable, integers, numbers, text_of
-from pearlbvp.mesh.periodic import Array
 
 FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.mesh.formats.soup import Soup, Unreadable, integers, numbers, strips, text_of
-from pearlbvp.mesh.periodic import Array
 
 TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pearlbvp.mesh.periodic import Array, Integers
+from pearlbvp.arrays import Array, Integers
 
 Polygons = tuple[Integers, Integers]
 """Corners of polygons, one after the other, and their number for each."""

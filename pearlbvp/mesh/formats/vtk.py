@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pearlbvp.arrays import Integers
 from pearlbvp.mesh.formats.cells import POLYGON, STRIP, polygons_of
 from pearlbvp.mesh.formats.soup import Soup, Unreadable, integers, numbers
-from pearlbvp.mesh.periodic import Integers
 
 TYPES = {
     "char": "i1", "unsigned_char": "u1", "short": "i2", "unsigned_short": "u2", "int": "i4", "unsigned_int": "u4",

@@ -11,9 +11,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.mesh.formats.cells import POLYGON, STRIP, polygons_of
 from pearlbvp.mesh.formats.soup import Polygons, Soup, Unreadable, integers, numbers
-from pearlbvp.mesh.periodic import Array, Integers
 
 TYPES = {
     "Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i4", "UInt32": "u4", "Int64": "i8",
