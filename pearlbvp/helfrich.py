@@ -16,6 +16,9 @@ from pearlbvp.errors import InputError
 Fixed = Literal["area and volume", "area", "nothing"]
 """What perturbations must keep; with the area alone, the pressure difference is given."""
 
+WaveNumbers = tuple[int, int]
+"""Whole waves ``m`` along the tube and ``n`` around it."""
+
 SHORT_WAVE = 4.0
 """Wave number beyond which amplitudes and multipliers of a branch are measured by powers of it, as they are of its size."""
 

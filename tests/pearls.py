@@ -6,17 +6,17 @@ from functools import cache
 
 import numpy as np
 
-from pearlbvp.continuation import PathOptions, Point, follow
+from pearlbvp.continuation import PathOptions, Solution, follow
 from pearlbvp.continuation.path import correct
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.shapes.pearl import pearling_onset
+from pearlbvp.shapes.pearling import pearling_onset
 
 
 @cache
 def path(c0, period, v_end, tolerance=1e-9, degree=6):
     problem, u, tangent = pearling_onset(Tube(c0, period), tolerance=tolerance, degree=degree)
-    start = Point(problem, u, tangent, problem.observables(u))
+    start = Solution(problem, u, tangent)
     followed = follow(start, PathOptions(step=0.1), lambda p: "there" if p.observables["v"] > v_end else None)
     assert followed.complete, followed.reason
     return followed

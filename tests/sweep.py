@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 
 from pearlbvp.continuation.branch import Branch
-from pearlbvp.continuation.events import slopes
 from pearlbvp.errors import InputError
-from pearlbvp.studies.branch import branch_options, pearl_branch
-from pearlbvp.studies.ring import ring_branch
-from pearlbvp.studies.tube import tube_branch
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.theory.dispersion import growth_rate
 
 FAMILIES = ("pearl", "ring", "coil", "buckle")
@@ -43,10 +41,10 @@ class Case:
         """The branch."""
         options = branch_options(max_points=self.max_points, max_step=self.max_step)
         if self.family == "pearl":
-            return pearl_branch(self.c0, self.length, self.m, options)
+            return family_branch(Tube(self.c0, self.length), "pearl", (self.m, 0), options)
         if self.family == "ring":
-            return ring_branch(self.c0, self.length, self.n, options)
-        return tube_branch(self.c0, self.length, self.family, (self.m, self.n), options)  # type: ignore[arg-type]
+            return family_branch(Tube(self.c0, self.length), "ring", (0, self.n), options)
+        return family_branch(Tube(self.c0, self.length), self.family, (self.m, self.n), options, discretization="modes")  # type: ignore[arg-type]
 
 
 def drawn(seed: int, max_points: int = 10) -> Case:
@@ -97,7 +95,7 @@ def faults(case: Case) -> tuple[list[str], Branch[Any] | None]:
         if start.spectrum.n_unstable != expected:
             found.append(f"{start.spectrum.n_unstable} unstable directions at the start, {expected} in closed form")
     for before, after in zip(branch.points[:-1], branch.points[1:], strict=True):
-        error, allowed = work(before.point, after.point)
+        error, allowed = work(before, after)
         # Growth rates are known about as well as the solutions that they are of.
         allowed += max(before.spectrum.residual, after.spectrum.residual)
         if not error <= allowed:
@@ -112,10 +110,10 @@ def work(before: Any, after: Any) -> tuple[float, float]:
     these leave out is a fraction of what straight lines do.
     """
     names = ("lambda2", "v")
-    ends = [slopes(point, names) for point in (before, after)]
+    ends = [point.slopes for point in (before, after)]
     if any(not np.isfinite(end[name]) for end in ends for name in names):
         return 0.0, 0.0  # multipliers pass through infinity
-    chord = before.problem.adopt(after.problem, after.u) - before.u
+    chord = before.problem.transfer(after.problem, after.u) - before.u
     length = math.sqrt(before.problem.inner(chord, chord))
     cubics = []
     for name in names:

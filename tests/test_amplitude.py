@@ -26,7 +26,7 @@ from pearlbvp.studies.amplitude import (
     meeting_points,
     predicted_branch,
 )
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.theory import amplitude, resonance
 from pearlbvp.theory.amplitude import amplitude_equation, exchange_lengths, meeting_c0
 from pearlbvp.theory.dispersion import growth_rate
@@ -178,11 +178,13 @@ def test_growth_rates_on_coils_and_buckles_are_those_of_the_reduced_equations(c0
 def test_at_given_pressure_pearls_have_the_growth_rate_2bA2():
     tube = Tube(0.0, 10)
     equation = amplitude_equation(tube, (1, 0))
-    branch = pearl_branch(0.0, 10, 1, branch_options(step=0.004, max_step=0.004, max_points=12), fixed="area")
+    branch = family_branch(
+        Tube(0.0, 10), "pearl", (1, 0), branch_options(step=0.004, max_step=0.004, max_points=12), fixed="area"
+    )
     squares, ratios = [], []
     for entry in branch.points[4:]:
         square = equation.amplitude_at("pearl", entry.observables["v"]) ** 2
-        own = entry.spectrum.rates[entry.point.problem.own_block]
+        own = entry.spectrum.rates[entry.problem.trivial_block]
         squares.append(square)
         ratios.append(own[np.abs(own - 2 * equation.b1 * square).argmin()] / square)
     limit = np.polynomial.Polynomial.fit(squares, ratios, 2)(0)
@@ -228,7 +230,9 @@ def test_coefficients_do_not_depend_on_how_often_the_tube_is_repeated(c0, length
 def test_a_predicted_branch_is_a_branch():
     """Its table agrees with a computed one to the order in the amplitude that it has; stability at onset agrees too."""
     predicted = predicted_branch(0.48, 15, (1, 0)).table()
-    computed = pearl_branch(0.48, 15, 1, branch_options({"v": 1.0003}, step=0.01, max_step=0.01)).table()
+    computed = family_branch(
+        Tube(0.48, 15), "pearl", (1, 0), branch_options({"v": 1.0003}, step=0.01, max_step=0.01)
+    ).table()
     assert list(predicted.columns) == list(computed.columns)
     assert set(predicted.n_unstable) == {2} == set(computed.n_unstable)
     assert predicted.mu_crit.iloc[0] == pytest.approx(computed.mu_crit.iloc[0], abs=1e-9)
@@ -238,7 +242,9 @@ def test_a_predicted_branch_is_a_branch():
 
 
 def test_predictions_and_computed_branches_differ_by_the_next_order():
-    branch = pearl_branch(0.0, 10, 1, branch_options({"v": 1.01}, step=0.02, max_step=0.02)).table()
+    branch = family_branch(
+        Tube(0.0, 10), "pearl", (1, 0), branch_options({"v": 1.01}, step=0.02, max_step=0.02)
+    ).table()
     table = compared(branch, amplitude_equation(Tube(0.0, 10), (1, 0)), "pearl")
     assert table.lambda1_order.iloc[1:].to_numpy() == pytest.approx(2, abs=0.12)
     assert table.lambda2_order.iloc[1:].to_numpy() == pytest.approx(2, abs=0.12)
@@ -284,7 +290,9 @@ def test_the_two_mode_equations_find_the_crossing_of_m_and_2m_pearls():
         equations = Resonance(Tube(0.4, resonant + detuning))
         C = equations.crossing()
         predicted = equations.double(C)
-        computed = pearl_branch(0.4, resonant + detuning, 2, branch_options({"v": 1.005}, step=0.01, max_step=0.05))
+        computed = family_branch(
+            Tube(0.4, resonant + detuning), "pearl", (2, 0), branch_options({"v": 1.005}, step=0.01, max_step=0.05)
+        )
         found = computed.at(computed.find("bp")[0]).observables
         errors.append((predicted["v"] - 1) / (found["v"] - 1) - 1)
         # The mixed branch of the same equations starts there, at A = 0.

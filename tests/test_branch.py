@@ -8,30 +8,25 @@ import numpy as np
 import pytest
 
 import pearls
-from pearlbvp.continuation.branch import continue_branch, start_point
+from pearlbvp.continuation.following import continue_branch
 from pearlbvp.continuation.path import correct
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import crossing_direction
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
-from pearlbvp.shapes.pearl import PearlProblem, unrolled
-from pearlbvp.studies.branch import (
-    COLUMNS,
-    branch_options,
-    followed,
-    pearl_branch,
-    shape_branch,
-    switched,
-    varied,
-)
+from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.studies.branch import COLUMNS, branch_options, family_branch
 from pearlbvp.studies.localized import localized_pearls
+from pearlbvp.studies.onward import followed, switched, varied
+from pearlbvp.studies.shape import shape_branch
 
 
 @pytest.fixture(scope="module")
 def four():
     """Four pearls of period 7.5 on L = 30, past both their branch points."""
-    return pearl_branch(0.48, 30, 4, branch_options({"v": 1.02}))
+    return family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"v": 1.02}))
 
 
 @pytest.fixture(scope="module")
@@ -59,10 +54,10 @@ def test_a_branch_stops_exactly_where_it_is_told(four):
     last = four.table().iloc[-1]
     assert (last.special, last.v) == ("stop", pytest.approx(1.02, abs=1e-13))
     for name, value in (("lambda2", -0.3), ("amplitude", 0.1), ("mu_crit", 0.03)):
-        stopped = pearl_branch(0.48, 15, 2, branch_options({name: value, "v": 1.1}))
+        stopped = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({name: value, "v": 1.1}))
         assert stopped.complete
         assert stopped.table().iloc[-1][name] == pytest.approx(value, abs=1e-9)
-    both = pearl_branch(0.48, 15, 2, branch_options({"v": 1.01, "lambda2": -0.3}))
+    both = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.01, "lambda2": -0.3}))
     assert both.table().iloc[-1].lambda2 == pytest.approx(-0.3, abs=1e-12)  # it comes first
 
 
@@ -73,7 +68,7 @@ def test_the_localized_pearl_is_stable_with_a_fold_in_lambda2(localized):
     neighbours = table.lambda2.iloc[[fold.name - 1, fold.name + 1]]
     assert (neighbours < fold.lambda2).all()
     # Half of the tube from a pearl's belly: that pearl is the largest, and its tube is L = 30 long.
-    profile = localized.points[-1].point.problem.profile(localized.points[-1].point.u)
+    profile = localized.points[-1].problem.profile(localized.points[-1].u)
     x, r = profile.outline()
     assert x[-1] == pytest.approx(30, abs=1e-9)
     assert r[0] == pytest.approx(table.r_max.iloc[-1], abs=1e-12)
@@ -88,7 +83,7 @@ def test_the_localized_pearl_is_stable_with_a_fold_in_lambda2(localized):
 
 def test_energy_and_pressure_along_the_localized_branch(localized):
     """``-2 d(E/A)/dv = lambda2``: the energy gained over a stretch is the integral of the pressure."""
-    points = [entry.point for entry in localized.points[-4:]]
+    points = [entry for entry in localized.points[-4:]]
     for one, two in itertools.pairwise(points):
         dv = two.observables["v"] - one.observables["v"]
         gained = two.observables["E"] - one.observables["E"]
@@ -113,25 +108,25 @@ def test_pearl_and_neck_centred_branches_differ_in_stability(four, localized):
 
 def test_two_cells_from_one():
     """On L = 15 the localized pearl is found by unrolling by hand, too: the same solution on another mesh."""
-    two = pearl_branch(0.48, 15, 2, branch_options({"v": 1.02}))
+    two = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.02}))
     by_switch = switched(two, 1, branch_options({"v": 1.1})).table().iloc[-1]
-    point = two.at(two.find("bp")[0]).point
-    problem, (u, tangent) = unrolled(point.problem, 2, "neck", point.u, point.tangent)
+    point = two.at(two.find("bp")[0])
+    problem, (u, tangent) = point.problem.repeated(2, "neck", point.u, point.tangent)
     assert np.abs(problem.residual(u)).max() < 1e-9
     # From neck to neck the wave even about bellies is odd: there is no null vector besides the tangent.
     tangent /= math.sqrt(problem.inner(tangent, tangent))
     ratio = np.linalg.norm(problem.solve(u, np.append(np.zeros(u.size - 1), 1.0), tangent))
     assert ratio < 100
-    problem, (u, tangent) = unrolled(point.problem, 2, "pearl", point.u, point.tangent)
+    problem, (u, tangent) = point.problem.repeated(2, "pearl", point.u, point.tangent)
     tangent /= math.sqrt(problem.inner(tangent, tangent))
     direction = crossing_direction(problem, u, tangent)
-    backwards = continue_branch(start_point(problem, u, -direction), branch_options({"v": 1.1}), at_bifurcation=True)
+    backwards = continue_branch(Solution.along(problem, u, -direction), branch_options({"v": 1.1}), at_bifurcation=True)
     for name in ("lambda1", "lambda2", "E"):
         assert backwards.table().iloc[-1][name] == pytest.approx(by_switch[name], abs=1e-9)
 
 
 def test_c0_0_is_stable_far_beyond_the_paper():
-    table = pearl_branch(0.0, 10, 1, branch_options({"v": 1.34})).table()
+    table = family_branch(Tube(0.0, 10), "pearl", (1, 0), branch_options({"v": 1.34})).table()
     assert (table.n_unstable == 0).all()
     assert table.v.iloc[-1] == pytest.approx(1.34, abs=1e-12)
     # AUTO-07p, between its rows lambda2 = -10 and -15
@@ -139,7 +134,7 @@ def test_c0_0_is_stable_far_beyond_the_paper():
 
 
 def test_m_1_on_l_15_is_unstable_throughout():
-    table = pearl_branch(0.48, 15, 1, branch_options({"v": 1.1})).table()
+    table = family_branch(Tube(0.48, 15), "pearl", (1, 0), branch_options({"v": 1.1})).table()
     assert table.lambda2.iloc[0] == pytest.approx(-0.4208, abs=5e-5)
     assert (table.n_unstable.iloc[1:] > 0).all()
 
@@ -149,14 +144,16 @@ def test_an_interrupted_branch_keeps_its_points():
         if len(branch.points) > 4:
             raise KeyboardInterrupt
 
-    branch = pearl_branch(0.48, 15, 2, branch_options({"v": 0.9}, progress=interrupt))  # it moves away from that
+    branch = family_branch(
+        Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 0.9}, progress=interrupt)
+    )  # it moves away from that
     assert (branch.reason, branch.complete) == ("interrupted", False)
     assert len(branch.points) > 4
     assert branch.kinds(len(branch.points) - 1) == ["end"]
 
 
 def test_an_end_has_a_reason():
-    branch = pearl_branch(0.0, 10, 1, branch_options(max_points=5))
+    branch = family_branch(Tube(0.0, 10), "pearl", (1, 0), branch_options(max_points=5))
     assert not branch.complete
     assert "max_points" in branch.reason
 
@@ -164,10 +161,10 @@ def test_an_end_has_a_reason():
 @pytest.mark.parametrize(
     ("call", "name"),
     [
-        (lambda: pearl_branch(0.48, 15, 0), "mode"),
-        (lambda: pearl_branch(0.48, 2 * math.pi, 1), "mode: .*k = 1"),
-        (lambda: pearl_branch(0.48, -1, 1), "length"),
-        (lambda: pearl_branch(0.48, 15, 2, tolerance=1.0), "tolerance"),
+        (lambda: family_branch(Tube(0.48, 15), "pearl", (0, 0)), "mode"),
+        (lambda: family_branch(Tube(0.48, 2 * math.pi), "pearl", (1, 0)), "mode: .*k = 1"),
+        (lambda: family_branch(Tube(0.48, -1), "pearl", (1, 0)), "length"),
+        (lambda: family_branch(Tube(0.48, 15), "pearl", (2, 0), tolerance=1.0), "tolerance"),
         (lambda: branch_options({"w": 1.0}), "until"),
         (lambda: branch_options({"v": math.nan}), "until v"),
         (lambda: branch_options(max_points=1), "max_points"),
@@ -182,21 +179,21 @@ def test_mistakes(call, name):
 def test_switches_that_cannot_be(four):
     with pytest.raises(InputError, match="^switch: the branch has 2"):
         switched(four, 3, branch_options())
-    branch = pearl_branch(0.75, 10, 1, branch_options({"v": 1.04}))
+    branch = family_branch(Tube(0.75, 10), "pearl", (1, 0), branch_options({"v": 1.04}))
     with pytest.raises(InputError, match="^switch: .*n = 1"):
         switched(branch, 1, branch_options())
     assert pearls.path(0.48, 7.5, 1.03).points[0].problem.cells == 1
     with pytest.raises(ValueError, match="^cells: "):
-        unrolled(replace(four.points[0].point.problem, cells=3), 2, "pearl")
+        replace(four.points[0].problem, cells=3).repeated(2, "pearl")
 
 
 def test_pearls_continued_in_c0_and_length_are_the_pearls_of_that_tube():
     """From c0 = 0, L = 10 at v = 1.1 to c0 = 0.2, then to L = 11: where the branches of those tubes pass v = 1.1."""
-    here = pearl_branch(0.0, 10, 1, branch_options({"v": 1.1}))
+    here = family_branch(Tube(0.0, 10), "pearl", (1, 0), branch_options({"v": 1.1}))
     moved = varied(here, -1, "c0", branch_options({"c0": 0.2}))
     longer = varied(moved, -1, "L", branch_options({"L": 11.0}))
     for found, c0, length in ((moved, 0.2, 10.0), (longer, 0.2, 11.0)):
-        direct = pearl_branch(c0, length, 1, branch_options({"v": 1.1})).table().iloc[-1]
+        direct = family_branch(Tube(c0, length), "pearl", (1, 0), branch_options({"v": 1.1})).table().iloc[-1]
         last = found.table().iloc[-1]
         assert (last.c0, last.L, last.v) == pytest.approx((c0, length, 1.1), abs=1e-12)
         for name in ("lambda1", "lambda2", "E", "mu_crit"):
@@ -222,7 +219,7 @@ def test_two_unequal_pearls_are_stable_and_begin_at_a_pitchfork(unequal):
     # Where it begins, the two pearls are equal, and the branch ends there: beyond, it would repeat itself mirrored.
     beginning = table[table.special.str.contains("bp")].iloc[0]
     assert beginning.v == pytest.approx(0.9747043, abs=1e-7)
-    profile = unequal.at(unequal.find("bp")[0]).point
+    profile = unequal.at(unequal.find("bp")[0])
     values = profile.problem.discretization.values(profile.u)
     assert values[0, 0] == pytest.approx(values[-1, 0], abs=1e-4)
 
@@ -252,7 +249,7 @@ def test_a_shape_that_leads_nowhere_is_said():
 
 def test_the_least_energy_shape_lies_on_the_continued_branch():
     """Minimising a graph's energy at v = 1.1 finds the point of the pearl branch at v = 1.1 (c0 = 0, L = 10)."""
-    direct = pearl_branch(0.0, 10, 1, branch_options({"v": 1.1})).table().iloc[-1]
+    direct = family_branch(Tube(0.0, 10), "pearl", (1, 0), branch_options({"v": 1.1})).table().iloc[-1]
     amplitudes, why = relaxed(Tube(0.0, 10), 1.1, np.array([0.4]))
     assert why == ""
     problem, u, why = pearl_of_graph(Tube(0.0, 10), 1.1, amplitudes)
@@ -273,7 +270,7 @@ def test_a_spectrum_that_fails_ends_the_branch_and_keeps_its_points(monkeypatch)
         return spectrum(self, u)
 
     monkeypatch.setattr(PearlProblem, "spectrum", failing)
-    branch = pearl_branch(0.0, 10, 1, branch_options({"v": 1.2}))
+    branch = family_branch(Tube(0.0, 10), "pearl", (1, 0), branch_options({"v": 1.2}))
     assert not branch.complete
     assert "spectrum" in branch.reason
     assert 3 <= len(branch.points) <= 5
@@ -293,7 +290,7 @@ def test_nothing_to_follow(four, kind, number, vary, name):
 @pytest.mark.parametrize("step", [0.01, 0.05])
 def test_no_step_jumps_to_another_branch(step, max_step):
     """At c0 = 0.592 the branches of equal and of unequal pearls pass each other at a distance of 1e-2."""
-    branch = pearl_branch(0.592, 10, 1, branch_options({"v": 0.99}, step=step, max_step=max_step))
+    branch = family_branch(Tube(0.592, 10), "pearl", (1, 0), branch_options({"v": 0.99}, step=step, max_step=max_step))
     assert branch.complete
     (fold,) = branch.find("fold:v")
     assert branch.at(fold).observables["v"] == pytest.approx(1.0034530, abs=1e-7)
@@ -301,11 +298,11 @@ def test_no_step_jumps_to_another_branch(step, max_step):
 
 def test_a_branch_without_planes_of_reflection():
     """Where a wave that is odd about the belly becomes neutral, shapes without reflection symmetry branch off: the full cell."""
-    symmetric = pearl_branch(0.5905, 10, 1, branch_options({"v": 1.005}))
+    symmetric = family_branch(Tube(0.5905, 10), "pearl", (1, 0), branch_options({"v": 1.005}))
     (special,) = symmetric.find("bp")
     assert str(special.block) == "n=0 j=0/1 odd"
     skew = switched(symmetric, 1, branch_options(max_points=12))
-    problem, u = skew.points[4].point.problem, skew.points[4].point.u
+    problem, u = skew.points[4].problem, skew.points[4].u
     assert not problem.half
     parameters = dict(
         zip(problem.discretization.problem.parameters, problem.discretization.all_parameters(u), strict=True)
@@ -326,7 +323,7 @@ def test_a_branch_without_planes_of_reflection():
 def test_the_pitchfork_leads_back_to_the_equal_pearls(unequal):
     """Switching where the unequal pearls begin gives the branch of equal pearls, with the volume on it smooth."""
     equal = switched(unequal, 1, branch_options(max_points=4, step=0.01, max_step=0.02))
-    profile = equal.points[-1].point
+    profile = equal.points[-1]
     values = profile.problem.discretization.values(profile.u)
     assert values[0, 0] == pytest.approx(values[-1, 0], abs=1e-6)
     assert abs(equal.points[-1].observables["v"] - equal.points[0].observables["v"]) > 1e-6
@@ -334,7 +331,7 @@ def test_the_pitchfork_leads_back_to_the_equal_pearls(unequal):
 
 def test_radii_are_those_of_the_function_and_not_of_the_mesh(unequal):
     for entry in unequal.points[1:]:
-        states = entry.point.problem.profile(entry.point.u).states
+        states = entry.problem.profile(entry.u).states
         dense = states(np.linspace(0, 1, 20001))[:, 0]
         assert entry.observables["r_min"] == pytest.approx(dense.min(), abs=1e-7)
         assert entry.observables["r_max"] == pytest.approx(dense.max(), abs=1e-7)
@@ -342,7 +339,7 @@ def test_radii_are_those_of_the_function_and_not_of_the_mesh(unequal):
 
 @pytest.mark.parametrize("which", ["localized", "unequal"])
 def test_doubling_the_mesh_changes_no_branch_value(which, request):
-    point = request.getfixturevalue(which).points[-1].point
+    point = request.getfixturevalue(which).points[-1]
     d = point.problem.discretization
     fine, (moved,) = d.on_mesh(np.sort(np.append(d.mesh, (d.mesh[1:] + d.mesh[:-1]) / 2)), point.u)
     finer = replace(point.problem, discretization=fine)
@@ -357,7 +354,7 @@ def test_doubling_the_mesh_changes_no_branch_value(which, request):
 
 
 def test_surface_has_the_area_and_the_volume(localized):
-    x, y, z = localized.points[-1].point.problem.profile(localized.points[-1].point.u).surface(400)
+    x, y, z = localized.points[-1].problem.profile(localized.points[-1].u).surface(400)
     corners = np.stack((x, y, z), axis=-1)
     one, two = corners[1:, :-1] - corners[:-1, :-1], corners[:-1, 1:] - corners[:-1, :-1]
     three, four = corners[1:, :-1] - corners[1:, 1:], corners[:-1, 1:] - corners[1:, 1:]

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from pearlbvp.continuation import PathOptions, Point, follow
+from pearlbvp.continuation import PathOptions, follow
 from pearlbvp.continuation.chebyshev import Unresolved, resolve
+from pearlbvp.continuation.problem import Problem
+from pearlbvp.continuation.solution import Solution
 
 
 @dataclass(frozen=True)
-class Curve:
+class Curve(Problem):
     """The zero set of a function of two variables with known gradient."""
 
     f: object
@@ -32,7 +34,7 @@ class Curve:
     def remesh(self, u, *others):
         return None
 
-    def adopt(self, other, u):
+    def transfer(self, other, u):
         return u
 
 
@@ -42,7 +44,7 @@ PITCHFORK = Curve(lambda x, y: x * (y - x**2), lambda x, y: np.array([y - 3 * x*
 
 def start(problem, u, tangent):
     u = np.array(u, dtype=float)
-    return Point(problem, u, np.array(tangent, dtype=float), problem.observables(u))
+    return Solution(problem, u, np.array(tangent, dtype=float))
 
 
 def test_circle_is_followed_through_both_folds():

@@ -12,11 +12,14 @@ from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, constrained, flow, resumed
 from pearlbvp.flow.perturbation import displaced
-from pearlbvp.studies.branch import branch_options, pearl_branch, shape_branch, switched
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow import load, save
 from pearlbvp.studies.flow_end import continued, pearls_of, stability
 from pearlbvp.studies.flow_start import pearl_start
+from pearlbvp.studies.onward import switched
 from pearlbvp.studies.point import chosen
+from pearlbvp.studies.shape import shape_branch
 from pearlbvp.theory.dispersion import growth_rate
 
 LAWS = ("area and volume", "area", "diffusion")
@@ -35,13 +38,13 @@ def multipliers(problem):
 
 @cache
 def pearls(c0, length, m, v):
-    branch = pearl_branch(c0, length, m, branch_options({"v": v}))
+    branch = family_branch(Tube(c0, length), "pearl", (m, 0), branch_options({"v": v}))
     assert branch.complete, branch.reason
     return branch
 
 
 def start_at(branch, **options):
-    point = branch.points[-1].point
+    point = branch.points[-1]
     return pearl_start(point.problem, point.u, **options)
 
 
@@ -121,7 +124,7 @@ def test_rates_on_a_pearl_are_those_of_its_second_variation():
 
 def test_a_bump_on_pearls_flows_to_the_pearls_of_its_area_and_volume():
     """Table ptab1, A2, without the bump's ``cos(phi)``."""
-    point = chosen(pearl_branch(0, 10, 1, branch_options({"lambda2": -3.3})), "A2")
+    point = chosen(family_branch(Tube(0, 10), "pearl", (1, 0), branch_options({"lambda2": -3.3})), "A2")
     assert point.observables["lambda2"] == pytest.approx(-3.165, abs=1e-10)
     start = pearl_start(point.problem, point.u)
     result = start.flow(start.perturbed("bump", -0.125))
@@ -129,7 +132,7 @@ def test_a_bump_on_pearls_flows_to_the_pearls_of_its_area_and_volume():
     check(result)
     problem, u = pearls_of(result.equilibrium)
     end = problem.observables(u)
-    there = pearl_branch(0, end["L"], 1, branch_options({"v": end["v"]})).points[-1].observables
+    there = family_branch(Tube(0, end["L"]), "pearl", (1, 0), branch_options({"v": end["v"]})).points[-1].observables
     for name in ("lambda1", "lambda2", "E", "r_min"):
         assert end[name] == pytest.approx(there[name], abs=1e-8)
     scale = result.equilibrium.observables["area"]

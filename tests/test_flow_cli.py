@@ -13,10 +13,10 @@ import pandas as pd
 import pytest
 from commands import run
 
-from pearlbvp.studies.branch import branch_options, pearl_branch, switched
-from pearlbvp.studies.mesh import mesh_branch
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.onward import switched
 from pearlbvp.studies.saved import save
-from pearlbvp.studies.tube import tube_branch
 
 COLUMNS = ["t", "E", "lambda1", "lambda2", "area_error", "volume_error", "velocity"]
 
@@ -25,7 +25,7 @@ COLUMNS = ["t", "E", "lambda1", "lambda2", "area_error", "volume_error", "veloci
 def folder(tmp_path_factory):
     """A folder with a saved branch of two pearls of period 7.5."""
     path = tmp_path_factory.mktemp("flows")
-    save(pearl_branch(0.48, 15, 2, branch_options({"v": 1.02})), path / "b.h5")
+    save(family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.02})), path / "b.h5")
     return path
 
 
@@ -40,7 +40,9 @@ def test_a_flow_from_a_saved_branch_writes_everything(capsys, folder):
     assert "n_unstable = 0" in err
     table = pd.read_csv(files[0])
     assert list(table.columns[:7]) == COLUMNS
-    localized = switched(pearl_branch(0.48, 15, 2, branch_options({"v": 1.015})), 1, branch_options({"v": 1.015}))
+    localized = switched(
+        family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.015})), 1, branch_options({"v": 1.015})
+    )
     assert table["E"].iloc[-1] == pytest.approx(localized.points[-1].observables["E"], abs=1e-9)
     assert files[1].read_bytes().startswith(b"\x89PNG\r\n")
     assert files[2].read_bytes().startswith(b"GIF89a")
@@ -97,7 +99,11 @@ def test_a_profile_from_a_table(capsys, folder):
     assert end["area"] == pytest.approx(area, abs=1e-5)
     # The branch of the similar tube at the reduced volume that the table has.
     scale = end["area"]
-    pearls = pearl_branch(0, 10 / scale, 1, branch_options({"v": end["v_reduced"]})).points[-1].observables
+    pearls = (
+        family_branch(Tube(0, 10 / scale), "pearl", (1, 0), branch_options({"v": end["v_reduced"]}))
+        .points[-1]
+        .observables
+    )
     for name, power in (("E", 2), ("lambda1", 2), ("lambda2", 3), ("r_min", -1)):
         assert end[name] * scale**power == pytest.approx(pearls[name], abs=1e-6)
 
@@ -216,7 +222,7 @@ def test_mistakes_are_one_line(capsys, folder, arguments, name):
 
 def test_a_saved_coil_flows_back(capsys, tmp_path):
     """From a file of tubes, perturbed out of its symmetry: a stable coil is where the flow comes to rest again."""
-    branch = tube_branch(0.0, 10.0, "coil", (1, 1), branch_options({"v": 0.95}))
+    branch = family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.95}))
     save(branch, tmp_path / "c.h5")
     options = ["--point", "v=0.95", "--delta", "-0.05", "--size", "8,8", "--keep", "--time", "5"]
     status, out, err = run(capsys, "flow", "--from", str(tmp_path / "c.h5"), *options)
@@ -325,7 +331,7 @@ def test_flows_on_triangulated_tubes(capsys, folder, tmp_path):
     assert table["E"].is_monotonic_decreasing
     on, _ = rows_of(capsys, "--resume", tmp_path / "f.h5", "--time", 4e-4)
     assert on["E"].iloc[-1] < table["E"].iloc[-1]
-    save(mesh_branch(0.0, 10.0, "coil", (1, 1), 200, branch_options({"v": 0.99})), tmp_path / "m.h5")
+    save(family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.99}), nodes=200), tmp_path / "m.h5")
     rested, err = rows_of(capsys, "--from", tmp_path / "m.h5", "--perturb", "none", "--save-end", tmp_path / "e.h5")
     assert "a triangulated tube of" in err
     assert "n_unstable = 0" in err
@@ -368,7 +374,7 @@ def test_the_end_of_a_flow_becomes_a_branch(capsys, folder):
     assert "a right-handed coil; to all perturbations of this tube: n_unstable = 0" in err
     status, out, err = run(capsys, "branch", "coil", "--resume", str(end), "--until", "v=0.9")
     assert (status, err) == (0, "")
-    there = tube_branch(0.0, 10.0, "coil", (1, 1), branch_options({"v": 0.9})).points[-1]
+    there = family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.9})).points[-1]
     last = pd.read_csv(io.StringIO(out)).iloc[-1]
     for name in ("v", "E", "lambda1", "lambda2"):
         assert last[name] == pytest.approx(there.observables[name], abs=1e-10)

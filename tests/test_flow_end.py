@@ -12,13 +12,13 @@ from pearlbvp.flow.driver import FlowOptions
 from pearlbvp.flow.record import Equilibrium
 from pearlbvp.flow.steady import polished
 from pearlbvp.flow.tube import TubeFlow
+from pearlbvp.helfrich import Tube
 from pearlbvp.studies import flow_end
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow_end import _at_its_volume, continued, end_branch, recognized, solution_of, stability
 from pearlbvp.studies.flow_start import mesh_start, pearl_start, pearl_tube_start, tube_start
-from pearlbvp.studies.ring import ring_branch, ring_switched
-from pearlbvp.studies.saved import family_of, load, resumed, save
-from pearlbvp.studies.tube import tube_branch, tube_switched
+from pearlbvp.studies.onward import resumed, switched
+from pearlbvp.studies.saved import family_of, load, save
 from pearlbvp.tube.isotropy import StandardPosition, standard_position
 from pearlbvp.tube.modes import Basis, Mode
 from pearlbvp.tube.symmetry import TubeSymmetry, buckle_symmetry, coil_symmetry, pearl_symmetry, ring_symmetry
@@ -30,7 +30,7 @@ SAME = ("E", "lambda1", "lambda2", "v", "L")
 
 @cache
 def tubes(c0, family, mode, v):
-    branch = tube_branch(c0, 10.0, family, mode, branch_options({"v": v}))
+    branch = family_branch(Tube(c0, 10.0), family, mode, branch_options({"v": v}), discretization="modes")
     assert branch.complete, branch.reason
     return branch.points[-1]
 
@@ -38,15 +38,15 @@ def tubes(c0, family, mode, v):
 @cache
 def mixed():
     """Between coils and buckles at c0 = 0.48, in the coils' turning frame."""
-    coils = tube_branch(0.48, 10.0, "coil", (1, 1), branch_options({"v": 0.905}))
-    return tube_switched(coils, 1, branch_options({"v": 0.9105})).points[-1]
+    coils = family_branch(Tube(0.48, 10.0), "coil", (1, 1), branch_options({"v": 0.905}))
+    return switched(coils, 1, branch_options({"v": 0.9105})).points[-1]
 
 
 @cache
 def embedded():
     """Waves along a tube of two lobes."""
-    rings = ring_branch(0.0, 10, 2, branch_options({"v": 0.95}))
-    return ring_switched(rings, 1, branch_options({"v": 0.95})).points[-1]
+    rings = family_branch(Tube(0.0, 10), "ring", (0, 2), branch_options({"v": 0.95}))
+    return switched(rings, 1, branch_options({"v": 0.95})).points[-1]
 
 
 def surface_points(problem, q, x, phi):
@@ -98,7 +98,7 @@ FAMILIES = [
 def test_tubes_are_recognized_however_they_lie(entry, size, family, symmetry, mirrored):
     """A branch's shape, moved by known amounts, is the branch's shape again, and so is its spectrum."""
     there = entry()
-    start = tube_start(there.point.problem, there.point.u, size=size)
+    start = tube_start(there.problem, there.u, size=size)
     end = end_of(start, laid(start, mirrored))
     found = recognized(end)
     assert (found.family, found.symmetry) == (family, symmetry)
@@ -120,7 +120,7 @@ def test_tubes_are_recognized_however_they_lie(entry, size, family, symmetry, mi
 def test_the_standard_position_and_the_motion_from_it_are_the_tube(entry, size, mirrored):
     """The documented motion, applied to points of the surface in the standard position."""
     there = entry()
-    start = tube_start(there.point.problem, there.point.u, size=size)
+    start = tube_start(there.problem, there.u, size=size)
     q, length = laid(start, mirrored), start.problem.length
     found = standard_position(start.problem.known(q), length)
     standard = start.problem.coordinates(
@@ -181,9 +181,9 @@ def test_turning_frames_are_shears_of_the_torus():
 def test_a_mixed_coil_starts_a_flow():
     """The branch's multipliers, energy and largest growth rate, in modes of a frame at rest and without symmetry."""
     there = mixed()
-    assert there.point.problem.symmetry.turns == 1
-    assert there.point.problem.symmetry.period == 2
-    start = tube_start(there.point.problem, there.point.u, size=(13, 13))
+    assert there.problem.symmetry.turns == 1
+    assert there.problem.symmetry.period == 2
+    start = tube_start(there.problem, there.u, size=(13, 13))
     found = start.problem.observables(start.q, start.multipliers)
     assert found["E"] == pytest.approx(there.observables["E"], abs=1e-11)
     for name in ("lambda1", "lambda2"):
@@ -195,7 +195,7 @@ def test_a_mixed_coil_starts_a_flow():
 def test_in_the_general_space_phase_conditions_hold_the_shape():
     """A buckle whose symmetry is not made use of: all modes, two phase conditions, the branch's spectrum."""
     there = tubes(0.0, "buckle", (1, 1), 0.97)
-    start = tube_start(there.point.problem, there.point.u, size=(9, 9))
+    start = tube_start(there.problem, there.u, size=(9, 9))
     end = end_of(start, laid(start))
     known = {mode: value for mode, value in start.problem.known(end.q).items() if (mode.p, mode.harmonic) != (0, 1)}
     position = StandardPosition(TubeSymmetry(1, 1, 0, frozenset(range(16))), known, 0.0, 0.0, (0.0, 0.0), False)
@@ -213,7 +213,7 @@ def test_in_the_general_space_phase_conditions_hold_the_shape():
 def coiled(delta):
     """Where a buckle flows to, moved along its most unstable vector."""
     there = tubes(0.0, "buckle", (1, 1), 0.95)
-    start = tube_start(there.point.problem, there.point.u, size=(8, 8))
+    start = tube_start(there.problem, there.u, size=(8, 8))
     return start.flow(start.perturbed("critical", delta, keep=True), FlowOptions(resolution=1e-3, max_seconds=60))
 
 
@@ -243,7 +243,7 @@ def test_a_buckle_flows_to_coils_of_either_handedness():
 def test_an_unstable_coil_flows_to_the_stable_tubes_between_coils_and_buckles():
     there, coil = mixed(), tubes(0.48, "coil", (1, 1), 0.9105)
     assert (there.spectrum.n_unstable, coil.spectrum.n_unstable) == (0, 2)
-    start = tube_start(coil.point.problem, coil.point.u, size=(9, 9))
+    start = tube_start(coil.problem, coil.u, size=(9, 9))
     result = start.flow(start.perturbed("critical", 0.1, keep=True), FlowOptions(resolution=1e-3, max_seconds=60))
     assert result.status == "steady"
     assert recognized(result.equilibrium).family == "mixed"
@@ -281,7 +281,7 @@ def scaled(start, factor):
 
 def test_an_end_of_another_area_is_similar_to_a_branch_s_shape():
     there = embedded()
-    start = scaled(tube_start(there.point.problem, there.point.u, size=(10, 14)), 1.2)
+    start = scaled(tube_start(there.problem, there.u, size=(10, 14)), 1.2)
     end = end_of(start)
     assert end.observables["area"] == pytest.approx(1.2)
     problem, u = solution_of(end)
@@ -294,7 +294,7 @@ def test_an_end_of_another_area_is_similar_to_a_branch_s_shape():
 @pytest.mark.parametrize("kind", ["graph", "tube", "mesh"])
 def test_the_end_of_a_flow_that_keeps_its_area_is_on_the_tube_that_was_given(kind):
     """Not on one that rounding made longer: in every digit."""
-    point = pearl_branch(0.75, 20.0, 2, branch_options({"v": 1.02})).points[-1].point
+    point = family_branch(Tube(0.75, 20.0), "pearl", (2, 0), branch_options({"v": 1.02})).points[-1]
     start = {
         "graph": lambda: pearl_start(point.problem, point.u),
         "tube": lambda: pearl_tube_start(point.problem, point.u, size=(24, 2)),
@@ -309,8 +309,8 @@ def test_the_end_of_a_flow_that_keeps_its_area_is_on_the_tube_that_was_given(kin
 
 def test_newton_s_method_that_does_not_converge_is_said_to_fail():
     """At a volume that no shape has, of pearls in arclength and of tubes in reduced modes."""
-    pearls = pearl_branch(0.48, 15, 2, branch_options({"v": 1.02})).points[-1].point
-    tube = tubes(0.0, "coil", (1, 1), 0.9).point
+    pearls = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.02})).points[-1]
+    tube = tubes(0.0, "coil", (1, 1), 0.9)
     for point in (pearls, tube):
         u = point.u.copy()
         u[-1] = 3.0
@@ -321,8 +321,8 @@ def test_newton_s_method_that_does_not_converge_is_said_to_fail():
 
 def test_equal_pearls_are_pearls_of_a_period():
     """Two pearls, as a graph and among all tubes: the branch's cells, its count and its rates."""
-    there = pearl_branch(0.48, 15, 2, branch_options({"v": 1.02})).points[-1]
-    problem, u = there.point.problem, there.point.u
+    there = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.02})).points[-1]
+    problem, u = there.problem, there.u
     for start in (pearl_start(problem, u), pearl_tube_start(problem, u, size=(24, 2))):
         end = end_of(start)
         found, w = solution_of(end)
@@ -335,8 +335,8 @@ def test_equal_pearls_are_pearls_of_a_period():
 
 def test_at_given_pressure_volume_is_free():
     there = tubes(0.0, "coil", (1, 1), 0.9)
-    start = tube_start(there.point.problem, there.point.u, size=(10, 10), law="area")
-    branch = tube_branch(0.0, 10.0, "coil", (1, 1), branch_options({"v": 0.9}), fixed="area")
+    start = tube_start(there.problem, there.u, size=(10, 10), law="area")
+    branch = family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.9}), fixed="area")
     spectrum = stability(end_of(start))
     assert spectrum.n_unstable == branch.points[-1].spectrum.n_unstable
     assert spectrum.mu_crit == pytest.approx(branch.points[-1].spectrum.mu_crit, abs=1e-8)

@@ -9,12 +9,13 @@ import pytest
 from pearlbvp.errors import InputError
 from pearlbvp.flow.driver import FlowOptions, constrained, flow, resumed
 from pearlbvp.flow.mesh import mesh_flow
+from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.families import tube_mesh
 from pearlbvp.mesh.files import read_mesh, write_mesh
 from pearlbvp.mesh.problem import with_phases
 from pearlbvp.mesh.start import branch_point, solved
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow import load, save
 from pearlbvp.studies.flow_end import continued, described, solution_of
 from pearlbvp.studies.flow_start import mesh_start, profile_start, surface_start
@@ -35,9 +36,9 @@ def bulged(x, phi):
 @cache
 def pearls():
     """The point A2 of the paper."""
-    branch = pearl_branch(0.0, L, 1, branch_options({"lambda2": -3.165}))
+    branch = family_branch(Tube(0.0, L), "pearl", (1, 0), branch_options({"lambda2": -3.165}))
     assert branch.complete, branch.reason
-    return branch.points[-1].point
+    return branch.points[-1]
 
 
 @cache
@@ -260,7 +261,7 @@ def test_the_end_becomes_a_branch():
     assert described(result.equilibrium) == f"a triangulated tube of {len(result.state.q)} nodes"
     branch = continued(result, branch_options({"v": 1.16}), upwards=False)
     assert branch.complete, branch.reason
-    exact = pearl_branch(0.0, L, 1, branch_options({"v": 1.16})).points[-1]
+    exact = family_branch(Tube(0.0, L), "pearl", (1, 0), branch_options({"v": 1.16})).points[-1]
     for name, error in (("E", 2e-3), ("lambda1", 1e-2), ("lambda2", 1e-2), ("r_min", 1e-2)):
         assert branch.points[-1].observables[name] == pytest.approx(exact.observables[name], rel=error), name
     assert branch.points[-1].spectrum.n_unstable == exact.spectrum.n_unstable == 0

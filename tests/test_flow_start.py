@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from pearlbvp.errors import InputError
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow_start import mesh_start, pearl_start, pearl_tube_start
 
 L = 10.0
@@ -15,7 +16,7 @@ ALONG, AROUND = 192, 24
 
 @cache
 def pearls(c0=0.0, length=L, m=1, v=1.1):
-    return pearl_branch(c0, length, m, branch_options({"v": v})).points[-1].point
+    return family_branch(Tube(c0, length), "pearl", (m, 0), branch_options({"v": v})).points[-1]
 
 
 def seen(start, q):
@@ -113,8 +114,8 @@ def test_the_most_unstable_vector_is_centred_in_all_discretizations():
 
 def test_the_straight_tube_starts_flows_in_all_discretizations():
     """Its first wave, and a bump: area and volume of a wave on a cylinder to second order, and a bump's on tube and mesh."""
-    branch = pearl_branch(0.0, L, 1, branch_options({"v": 1.01}))
-    point = branch.points[0].point
+    branch = family_branch(Tube(0.0, L), "pearl", (1, 0), branch_options({"v": 1.01}))
+    point = branch.points[0]
     starts = [
         pearl_start(point.problem, point.u),
         pearl_tube_start(point.problem, point.u, size=(12, 5)),

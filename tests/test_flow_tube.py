@@ -10,10 +10,10 @@ from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, flow, resumed
 from pearlbvp.flow.tube import TubeFlow
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow import load, save
 from pearlbvp.studies.flow_start import pearl_tube_start, tube_start
-from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.dispersion import growth_rate
 from pearlbvp.tube.modes import Basis, Mode
 
@@ -39,13 +39,19 @@ def random_tube(size, scale=0.03, seed=1):
 
 @cache
 def tubes(c0, family, name, value):
-    branch = tube_branch(c0, 10.0, family, (0, 2) if family == "ring" else (1, 1), branch_options({name: value}))
+    branch = family_branch(
+        Tube(c0, 10.0),
+        family,
+        (0, 2) if family == "ring" else (1, 1),
+        branch_options({name: value}),
+        discretization="modes",
+    )
     assert branch.complete, branch.reason
     return branch.points[-1]
 
 
 def settled(point, size):
-    return tube_start(point.point.problem, point.point.u, size=size)
+    return tube_start(point.problem, point.u, size=size)
 
 
 def check(result):
@@ -139,7 +145,7 @@ def test_a_coil_flows_back_to_the_coil_of_its_area_and_volume():
     check(result)
     end = result.equilibrium.observables
     scale = end["area"]
-    branch = tube_branch(0.0, 10.0 / scale, "coil", (1, 1), branch_options({"v": end["v"] / scale**2}))
+    branch = family_branch(Tube(0.0, 10.0 / scale), "coil", (1, 1), branch_options({"v": end["v"] / scale**2}))
     there = branch.points[-1].observables
     assert end["lambda1"] * scale**2 == pytest.approx(there["lambda1"], abs=1e-8)
     assert end["lambda2"] * scale**3 == pytest.approx(there["lambda2"], abs=1e-8)
@@ -168,15 +174,19 @@ def test_an_unstable_coil_flows_to_wrinkles():
     end = result.equilibrium.observables
     scale = end["area"]
     options = branch_options({"v": end["v"] / scale**2})
-    ring = tube_branch(-scale, 10.0 / scale, "ring", (0, 2), options).points[-1].observables
+    ring = (
+        family_branch(Tube(-scale, 10.0 / scale), "ring", (0, 2), options, discretization="modes")
+        .points[-1]
+        .observables
+    )
     assert end["E"] * scale**2 == pytest.approx(ring["E"], abs=1e-8)
     assert end["lambda2"] * scale**3 == pytest.approx(ring["lambda2"], abs=1e-8)
 
 
 def test_pearls_among_tubes_have_the_rates_of_all_their_blocks():
-    branch = pearl_branch(0, 10, 1, branch_options({"lambda2": -1.6}))
+    branch = family_branch(Tube(0, 10), "pearl", (1, 0), branch_options({"lambda2": -1.6}))
     point = branch.points[-1]
-    start = pearl_tube_start(point.point.problem, point.point.u, size=(16, 3))
+    start = pearl_tube_start(point.problem, point.u, size=(16, 3))
     blocks = [
         rate for block, rates in point.spectrum.rates.items() for rate in np.repeat(rates, block.multiplicity)
     ]  # fmt: skip
@@ -186,8 +196,8 @@ def test_pearls_among_tubes_have_the_rates_of_all_their_blocks():
 
 def test_radii_are_those_of_the_function_and_not_of_a_grid():
     """Against collocation's extremes, on a grid whose points miss the neck."""
-    point = pearl_branch(0, 10, 1, branch_options({"v": 1.1})).points[-1]
-    start = pearl_tube_start(point.point.problem, point.point.u, size=(17, 3))
+    point = family_branch(Tube(0, 10), "pearl", (1, 0), branch_options({"v": 1.1})).points[-1]
+    start = pearl_tube_start(point.problem, point.u, size=(17, 3))
     matrix, phase = start.q.reshape(start.problem.tensor.shape).copy(), 0.7 * np.arange(1, 18)  # shifted along
     cosine, sine = matrix[1:18].copy(), matrix[18:].copy()
     matrix[1:18] = np.cos(phase)[:, None] * cosine - np.sin(phase)[:, None] * sine

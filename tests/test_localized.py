@@ -218,7 +218,7 @@ def test_pearls_are_stable_before_and_unstable_after(c0, period, count):
         v = 1 + factor * (row["v"] - 1)
         near = min(points, key=lambda p: abs(p.observables["v"] - v))
         # Towards the cylinder amplitudes fall like the square root of v - 1.
-        base = near.problem.adopt(first.problem, first.u)
+        base = near.problem.transfer(first.problem, first.u)
         guess = base + math.sqrt((v - 1) / (near.observables["v"] - 1)) * (near.u - base)
         direction = np.zeros_like(guess)
         direction[-1] = 1

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from pearlbvp.continuation.branch import BranchPoint
-from pearlbvp.continuation.path import Point
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.figures.mesh import draw_mesh
 from pearlbvp.helfrich import Tube
@@ -22,10 +21,10 @@ from pearlbvp.mesh.spectrum import MeshBlock
 from pearlbvp.mesh.start import onset, solved, straight
 from pearlbvp.mesh.subdivision import limit_matrix
 from pearlbvp.mesh.symmetry import mean, orbits
-from pearlbvp.studies.branch import branch_options
-from pearlbvp.studies.mesh import branch_from, mesh_branch, meshed
-from pearlbvp.studies.saved import load, save, switched
-from pearlbvp.studies.tube import tube_branch
+from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.mesh import branch_from, meshed
+from pearlbvp.studies.onward import switched
+from pearlbvp.studies.saved import load, save
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.theory.dispersion import growth_rate
 from pearls import at, path
@@ -42,17 +41,17 @@ def pearl():
 
 
 def point_of(problem, u):
-    return BranchPoint(Point(problem, u, u, problem.observables(u)), None)
+    return Solution(problem, u, u)
 
 
 @pytest.fixture(scope="module")
 def coil():
-    return tube_branch(0.0, L, "coil", (1, 1), branch_options({"v": 0.95}))
+    return family_branch(Tube(0.0, L), "coil", (1, 1), branch_options({"v": 0.95}))
 
 
 @pytest.fixture(scope="module")
 def mesh_coil():
-    return mesh_branch(0.0, L, "coil", (1, 1), 500, branch_options({"v": 0.95}))
+    return family_branch(Tube(0.0, L), "coil", (1, 1), branch_options({"v": 0.95}), nodes=500)
 
 
 def test_pearls_are_those_of_the_profile(pearl):
@@ -86,7 +85,7 @@ def test_coils_from_the_cylinder_on(coil, mesh_coil):
     assert found.observables["r_min"] == pytest.approx(exact.observables["r_min"], abs=0.01)
     assert [entry.spectrum.n_unstable for entry in mesh_coil.points[1:]] == [0] * (len(mesh_coil.points) - 1)
     assert found.spectrum.mu_crit == pytest.approx(exact.spectrum.mu_crit, rel=0.1)
-    assert all(np.abs(e.point.problem.multipliers(e.point.u)).max() < 1e-5 for e in mesh_coil.points)
+    assert all(np.abs(e.problem.multipliers(e.u)).max() < 1e-5 for e in mesh_coil.points)
     energies = [entry.observables["E"] for entry in mesh_coil.points]
     volumes = [entry.observables["v"] for entry in mesh_coil.points]
     pressures = [entry.observables["lambda2"] for entry in mesh_coil.points]
@@ -96,7 +95,7 @@ def test_coils_from_the_cylinder_on(coil, mesh_coil):
 
 def test_buckles_have_one_unstable_direction():
     """From reduced modes onto a mesh, and the same growth rate there."""
-    branch = tube_branch(0.0, L, "buckle", (1, 1), branch_options({"v": 0.98}))
+    branch = family_branch(Tube(0.0, L), "buckle", (1, 1), branch_options({"v": 0.98}))
     exact = branch.points[-1]
     problem, u = meshed(exact, 700)
     found, spectrum = problem.observables(u), problem.spectrum(u)
@@ -127,7 +126,7 @@ def test_growth_rates_of_the_straight_tube():
 def test_leading_rates_are_those_of_dense_algebra(mesh_coil):
     """Lanczos and inertia against all eigenvalues of the projected pencil, on a deformed tube."""
     entry = mesh_coil.points[-1]
-    problem, u = entry.point.problem, entry.point.u
+    problem, u = entry.problem, entry.u
     rates, vectors, unstable = problem.modes(u)
     vertices = problem.vertices(u)
     second, sums = problem.functional.hessian(vertices, problem.directions, 0.0, u[-3], u[-2])
@@ -157,7 +156,7 @@ def test_the_jacobian_is_the_residual_s(kind):
 
 def test_refinement_as_a_whole_leaves_the_surface_alone(mesh_coil):
     """Four triangles for one of a subdivision surface: the same surface, observables and tangent."""
-    entry = mesh_coil.points[-1].point
+    entry = mesh_coil.points[-1]
     problem, u = entry.problem, entry.u
     eager = replace(problem, adapt=AdaptOptions(area=float(problem.mesh.areas.mean()), largest=0.5))
     finer, (moved, tangent) = eager.remesh(u, entry.tangent)
@@ -167,7 +166,7 @@ def test_refinement_as_a_whole_leaves_the_surface_alone(mesh_coil):
     assert problem.inner(entry.tangent, entry.tangent) == pytest.approx(finer.inner(tangent, tangent), rel=0.1)
     at_home = solved(finer, moved)
     assert np.abs(at_home[: finer.mesh.count]).max() < 5e-3
-    back = problem.adopt(finer, at_home)
+    back = problem.transfer(finer, at_home)
     np.testing.assert_allclose(back[: problem.mesh.count], u[: problem.mesh.count], atol=0.01)
 
 
@@ -192,12 +191,9 @@ def test_adaptation_by_edits(pearl):
 
 def test_branches_go_on_through_adaptation():
     """Pearls with cotangents, the mesh edited on the way: the branch stays that of the profile, to the mesh's accuracy."""
-    branch = mesh_branch(
-        0.0, L, "pearl", (1, 0), 700, branch_options({"v": 1.05}), kind="cotangent",
-        adapt=AdaptOptions(largest=1.3, worst=8.0),
-    )  # fmt: skip
+    branch = family_branch(Tube(0.0, L), "pearl", (1, 0), branch_options({"v": 1.05}), adapt=AdaptOptions(largest=1.3, worst=8.0), nodes=700, discretization="cotangent")  # fmt: skip
     assert branch.complete, branch.reason
-    assert len({entry.point.problem.mesh.count for entry in branch.points}) > 1
+    assert len({entry.problem.mesh.count for entry in branch.points}) > 1
     assert [entry.spectrum.n_unstable for entry in branch.points[1:]] == [0] * (len(branch.points) - 1)
     spectral, w = at(path(0.0, L, 1.2), "v", 1.05)
     for name in COMPARED:
@@ -221,7 +217,7 @@ def test_switching_to_modulated_rings(tmp_path):
     They leave in twos, shifted along the tube; the branch has a phase condition against that, keeps
     ``-2 d(E/A)/dv = lambda2``, and lies below the rings.
     """
-    rings = mesh_branch(0.0, L, "ring", (0, 2), 400, branch_options({"v": 0.948}))
+    rings = family_branch(Tube(0.0, L), "ring", (0, 2), branch_options({"v": 0.948}), nodes=400)
     place = rings.find("bp")[0].index
     assert [special.converged for special in rings.find("bp")] == [True, True]
     assert rings.points[-1].spectrum.n_unstable == rings.points[place - 1].spectrum.n_unstable + 2
@@ -231,12 +227,12 @@ def test_switching_to_modulated_rings(tmp_path):
     branch = switched(from_file, 1, branch_options(max_points=5, step=0.05))
     assert len(branch.points) >= 4, branch.reason
     last = branch.points[-1]
-    assert np.ptp(centres_radius(last.point)) > 0.02
-    assert np.abs(last.point.problem.multipliers(last.point.u)).max() < 1e-5
+    assert np.ptp(centres_radius(last)) > 0.02
+    assert np.abs(last.problem.multipliers(last.u)).max() < 1e-5
     v, energy, pressure = (np.array([e.observables[name] for e in branch.points]) for name in ("v", "E", "lambda2"))
     slope = -2 * np.diff(energy[1:]) / np.diff(v[1:])  # the first step leads to another reference, with another error
     np.testing.assert_allclose(slope, (pressure[2:] + pressure[1:-1]) / 2, rtol=3e-3)
-    at_end = rings.points[-1].point
+    at_end = rings.points[-1]
     gaps = [at_volume(at_end, volume)["lambda2"] for volume in v[1:]] - pressure[1:]
     assert (np.diff(v[1:]) < 0).all()
     assert (np.diff(gaps) > 0).all()  # so the energy falls below that of the rings as v does
@@ -260,7 +256,7 @@ def test_saved_branches_come_back(mesh_coil, tmp_path):
     save(mesh_coil, tmp_path / "coil.h5")
     back = load(tmp_path / "coil.h5")
     assert back.table().equals(mesh_coil.table())
-    first, again = mesh_coil.points[-1].point, back.points[-1].point
+    first, again = mesh_coil.points[-1], back.points[-1]
     np.testing.assert_array_equal(again.problem.residual(again.u), first.problem.residual(first.u))
     assert again.problem.adapt == first.problem.adapt
     with pytest.raises(InputError, match="resume: there is no file"):
@@ -278,8 +274,8 @@ def test_amplitudes_by_projection():
     for mesh in (tube_mesh(L, 2000, waves), jittered(tube_mesh(L, 2000), 0.1, 0, waves)):
         a, b = amplitudes(mesh, 1, 1)
         assert (a, b) == pytest.approx((0.05 * np.exp(0.3j), 0.02), abs=3e-4)
-    branch = mesh_branch(0.0, L, "pearl", (1, 0), 600, branch_options({"v": 1.002}, step=0.02))
-    entry = branch.points[-1].point
+    branch = family_branch(Tube(0.0, L), "pearl", (1, 0), branch_options({"v": 1.002}, step=0.02), nodes=600)
+    entry = branch.points[-1]
     a, _ = amplitudes(entry.problem.surface(entry.u), 1, 0)
     predicted = amplitude_equation(Tube(0.0, L), (1, 0)).amplitude_at("pearl", entry.observables["v"])
     assert abs(a) == pytest.approx(predicted, rel=0.02)
@@ -323,17 +319,17 @@ def test_files_that_cannot_be(tmp_path):
 
 def test_arguments_that_cannot_be_used():
     with pytest.raises(InputError, match="family: 'worm'"):
-        mesh_branch(0.0, L, "worm", (1, 1), 100)
+        family_branch(Tube(0.0, L), "worm", (1, 1), nodes=100)
     with pytest.raises(InputError, match=r"mode: \(1, 1\) is none of a pearl"):
-        mesh_branch(0.0, L, "pearl", (1, 1), 100)
+        family_branch(Tube(0.0, L), "pearl", (1, 1), nodes=100)
     with pytest.raises(InputError, match="nodes"):
-        mesh_branch(0.0, L, "pearl", (1, 0), 3)
+        family_branch(Tube(0.0, L), "pearl", (1, 0), nodes=3)
     with pytest.raises(InputError, match="mode: .* shorter than two edges"):
-        mesh_branch(0.0, L, "ring", (0, 9), 100)
+        family_branch(Tube(0.0, L), "ring", (0, 9), nodes=100)
 
 
 def test_pictures(mesh_coil, tmp_path):
-    entry = mesh_coil.points[-1].point
+    entry = mesh_coil.points[-1]
     figure = draw_mesh(entry.problem.surface(entry.u), title="coil")
     figure.savefig(tmp_path / "coil.png")
     assert (tmp_path / "coil.png").stat().st_size > 20_000
@@ -360,10 +356,10 @@ def test_orbits_are_those_of_the_group():
 
 def test_symmetry_splits_the_spectrum():
     """Growth rates with and without the symmetry of a buckle are the same, and the modes are what their block says."""
-    point = tube_branch(0.0, L, "buckle", (1, 1), branch_options({"v": 0.98})).points[-1]
+    point = family_branch(Tube(0.0, L), "buckle", (1, 1), branch_options({"v": 0.98})).points[-1]
     plain, u = meshed(point, 700)
     problem = plain.symmetric(u)
-    apart = problem.block_modes(u, {problem.own_block: 6, MeshBlock("breaking"): 6})
+    apart = problem.block_modes(u, {problem.trivial_block: 6, MeshBlock("breaking"): 6})
     together, _ = apart.together()
     rates, _, unstable = plain.modes(u)
     assert apart.complete
@@ -371,7 +367,7 @@ def test_symmetry_splits_the_spectrum():
     np.testing.assert_allclose(together[:6], rates[:6], atol=1e-7)
     for block, vectors in apart.vectors.items():
         share = np.linalg.norm(mean(problem.orbits, vectors)) / np.linalg.norm(vectors)
-        assert share == pytest.approx(1.0 if block == problem.own_block else 0.0, abs=1e-8)
+        assert share == pytest.approx(1.0 if block == problem.trivial_block else 0.0, abs=1e-8)
 
 
 def test_surfaces_are_projected_onto():
@@ -397,14 +393,18 @@ def test_surfaces_are_projected_onto():
 @pytest.mark.parametrize("family", ["coil", "buckle"])
 def test_adaptation_leaves_no_jump(family):
     """Where vertices spread out, the branch goes on to the mesh's accuracy: it is the surface that counts."""
-    branch = mesh_branch(0.0, L, family, (1, 1), 500, branch_options({"v": 0.9}))
+    branch = family_branch(Tube(0.0, L), family, (1, 1), branch_options({"v": 0.9}), nodes=500)
     assert branch.complete, branch.reason
-    points = [entry.point for entry in branch.points]
+    points = [entry for entry in branch.points]
     changes = [p for p, q in pairwise(points) if p.problem is not q.problem and q.problem.orbits is not None]
     assert changes
     for point in points[1:]:
         exact = (
-            tube_branch(0.0, L, family, (1, 1), branch_options({"v": point.observables["v"]})).points[-1].observables
+            family_branch(
+                Tube(0.0, L), family, (1, 1), branch_options({"v": point.observables["v"]}), discretization="modes"
+            )
+            .points[-1]
+            .observables
         )
         for name in COMPARED:
             assert point.observables[name] == pytest.approx(exact[name], rel=8e-3), point.observables["v"]
@@ -451,7 +451,7 @@ def test_a_straight_tube_is_remeshed_without_a_search_for_an_equilibrium_of_the_
 
 def test_bent_tubes_are_corrected_on_a_new_mesh(mesh_coil):
     """The same remeshing of a coil does solve: its volume tells it from its neighbours."""
-    entry = mesh_coil.points[-1].point
+    entry = mesh_coil.points[-1]
     eager = replace(entry.problem, adapt=AdaptOptions(area=float(entry.problem.mesh.areas.mean()), largest=0.5))
     finer, (moved,) = eager.remesh(entry.u)
     assert np.abs(finer.residual(moved)).max() < 1e-8

@@ -9,22 +9,23 @@ import pytest
 from commands import run
 
 from pearlbvp.cli import main
-from pearlbvp.continuation.path import Point
+from pearlbvp.continuation.problem import Problem
 from pearlbvp.continuation.segment import Segment
+from pearlbvp.continuation.solution import Solution
+from pearlbvp.helfrich import Tube
 from pearlbvp.mesh import functional
 from pearlbvp.mesh.families import fewest, tube_mesh
 from pearlbvp.mesh.files import read_mesh
-from pearlbvp.studies.branch import branch_options, pearl_branch
-from pearlbvp.studies.ring import ring_branch
-from pearlbvp.studies.saved import load, save, switched
-from pearlbvp.studies.tube import tube_branch
+from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.onward import switched
+from pearlbvp.studies.saved import load, save
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
            "critical", "c0", "L", "mu_error", "wave"]  # fmt: skip
 
 
 def test_a_shape_is_named_by_what_is_special_there(capsys, tmp_path):
-    branch = pearl_branch(0.48, 15, 2, branch_options({"bp": 1}))
+    branch = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"bp": 1}))
     save(branch, tmp_path / "b.h5")
     rows = [run(capsys, "mesh", "--from", tmp_path / "b.h5", "--point", name)[1] for name in ("bp", "-1", "start")]
     assert rows[0] == rows[1] != rows[2]
@@ -41,7 +42,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def coil():
-    return tube_branch(0.0, 10.0, "coil", (1, 1), branch_options({"v": 0.95}))
+    return family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.95}))
 
 
 @pytest.fixture(scope="module")
@@ -60,8 +61,8 @@ def test_a_branch_on_a_mesh_is_the_coil_of_reduced_modes(saved, coil):
     written = pd.read_csv(table, keep_default_na=False)
     assert list(written.columns) == COLUMNS
     assert written.special.iloc[-1] == "stop"
-    assert load(path).points[0].point.problem.mesh.count == pytest.approx(500, rel=0.1)
-    exact = tube_branch(0.0, 10.0, "coil", (1, 1), branch_options({"v": 0.97})).points[-1].observables
+    assert load(path).points[0].problem.mesh.count == pytest.approx(500, rel=0.1)
+    exact = family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.97})).points[-1].observables
     last = written.iloc[-1]
     for name, power in {"lambda1": -2, "lambda2": -3, "v": 0, "E": -2}.items():
         assert last[name] == pytest.approx(exact[name] * 2.0**power, rel=3e-3)
@@ -82,7 +83,7 @@ def test_pressure_is_kept_on_meshes_too(capsys, tmp_path):
     options = ["--c0", 0, "--length", 10, "--nodes", 100, "--max-points", 2, "--save", tmp_path / "b.h5"]
     for further, fixed in (([], "area and volume"), (["--pressure", "--discretization", "cotangent"], "area")):
         assert run(capsys, "branch", "ring", *options, *further)[0] == 0
-        problem = load(tmp_path / "b.h5").points[-1].point.problem
+        problem = load(tmp_path / "b.h5").points[-1].problem
         assert (problem.fixed, problem.kind) == (fixed, "cotangent" if further else "subdivision")
 
 
@@ -168,7 +169,7 @@ def test_the_number_of_nodes_that_is_advised_makes_a_good_mesh(length):
     assert tube_mesh(length, fewest(length)).quality.max() < 3.7
 
 
-class Shifted:
+class Shifted(Problem):
     """A curve ``y = x`` whose height is read off with an error that depends on the mesh."""
 
     def __init__(self, error):
@@ -183,7 +184,7 @@ class Shifted:
     def inner(self, u, v):
         return float(u @ v)
 
-    def adopt(self, other, u):
+    def transfer(self, other, u):
         return u
 
     def observables(self, u):
@@ -193,7 +194,7 @@ class Shifted:
 def test_a_value_that_another_mesh_puts_just_before_the_last_point_is_found_beyond_it():
     first, last = Shifted(0.0), Shifted(0.01)
     tangent = np.full(2, np.sqrt(0.5))
-    ends = [Point(p, np.full(2, x), tangent, p.observables(np.full(2, x))) for p, x in ((first, 0.0), (last, 1.0))]
+    ends = [Solution(p, np.full(2, x), tangent) for p, x in ((first, 0.0), (last, 1.0))]
     assert ends[0].observables["height"] < 1.005 < ends[1].observables["height"]
     found = Segment(*ends).root(lambda point: point.observables["height"] - 1.005, -1.005)
     assert found.u[0] == pytest.approx(1.005, abs=1e-12)
@@ -218,11 +219,11 @@ EQUILIBRIUM = [
 def shapes(folder, coil):
     """Saved branches of every family, each to a shape far from the straight tube."""
     options = branch_options({"v": 0.96})
-    save(pearl_branch(0.48, 15.0, 2, branch_options({"v": 1.015})), folder / "pearl.h5")
-    save(ring_branch(0.0, 4.0, 2, options), folder / "ring0.h5")
+    save(family_branch(Tube(0.48, 15.0), "pearl", (2, 0), branch_options({"v": 1.015})), folder / "pearl.h5")
+    save(family_branch(Tube(0.0, 4.0), "ring", (0, 2), options), folder / "ring0.h5")
     save(coil, folder / "coil0.h5")
-    save(tube_branch(0.0, 10.0, "buckle", (1, 1), options), folder / "buckle.h5")
-    coils = tube_branch(0.48, 10.0, "coil", (1, 1), branch_options({"v": 0.905}))
+    save(family_branch(Tube(0.0, 10.0), "buckle", (1, 1), options), folder / "buckle.h5")
+    coils = family_branch(Tube(0.48, 10.0), "coil", (1, 1), branch_options({"v": 0.905}))
     save(switched(coils, 1, branch_options({"v": 0.907})), folder / "mixed.h5")
     return {name: folder / f"{name}.h5" for name in ("pearl", "ring0", "coil0", "buckle", "mixed")}
 
@@ -292,7 +293,7 @@ def test_a_point_of_a_branch_on_a_mesh_has_its_own_triangles(capsys, saved, tmp_
     status, out, _ = run(capsys, "mesh", "--from", saved[0], "--solve", "--out", tmp_path / "c.obj")
     assert status == 0
     row = table_of(out).iloc[0]
-    assert row.nodes == last.point.problem.mesh.count
+    assert row.nodes == last.problem.mesh.count
     assert row.lambda2 == pytest.approx(last.observables["lambda2"], rel=1e-10)
     assert row.mu_crit == pytest.approx(last.spectrum.mu_crit, rel=1e-6)
     assert read_mesh(tmp_path / "c.obj", 10.0).count == row.nodes
@@ -338,7 +339,7 @@ def test_mistakes_of_mesh_are_one_line(capsys, monkeypatch, tmp_path, shapes, sa
 def test_a_stability_that_the_mesh_does_not_resolve_is_said(capsys, tmp_path):
     """The buckle has one unstable direction: 60 nodes lose it and say so, 1000 have it."""
     path = tmp_path / "k.h5"
-    save(tube_branch(0.0, 10.0, "buckle", (1, 1), branch_options({"v": 0.85})), path)
+    save(family_branch(Tube(0.0, 10.0), "buckle", (1, 1), branch_options({"v": 0.85})), path)
     said = {}
     for nodes in (60, 1000):
         status, out, err = run(capsys, "mesh", "--from", path, "--solve", "--nodes", nodes)

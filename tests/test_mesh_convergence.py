@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from pearlbvp.continuation.branch import BranchPoint
-from pearlbvp.continuation.path import Point
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.amplitudes import amplitudes_at
 from pearlbvp.mesh.families import carried, edited, graded, jittered, straightened, tube_mesh
 from pearlbvp.mesh.operators import mean_curvature
 from pearlbvp.mesh.start import branch_point, straight
 from pearlbvp.mesh.subdivision import subdivided
-from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.mesh import meshed
-from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate
 from pearls import at, path
@@ -110,7 +108,7 @@ def test_where_a_mesh_splits_a_mode_its_mean_rate_vanishes():
 
 def test_phase_multipliers_fall_as_the_discretization_s_error():
     """Those of a coil: none on a lattice, of fourth order on a graded mesh, below the observables' error on both."""
-    exact = tube_branch(0.0, L, "coil", (1, 1), branch_options({"v": 0.95})).points[-1]
+    exact = family_branch(Tube(0.0, L), "coil", (1, 1), branch_options({"v": 0.95})).points[-1]
     found = []
     for mesh in (tube_mesh(L, 500), graded(tube_mesh(L, 500)), graded(tube_mesh(L, 2000))):
         problem, u = meshed(exact, mesh)
@@ -127,7 +125,7 @@ def test_meshes_are_carried_over_with_their_periods():
     problem, w = at(path(0.0, L, 1.2), "v", 1.1)
     mesh = jittered(tube_mesh(L, 500), 0.1)
     assert mesh.vertices[:, 0].min() < 0
-    found, u = meshed(BranchPoint(Point(problem, w, w, problem.observables(w)), None), mesh, kind="cotangent")
+    found, u = meshed(Solution(problem, w, w), mesh, kind="cotangent")
     assert found.observables(u)["E"] == pytest.approx(problem.observables(w)["E"], rel=0.05)
     again = carried(mesh, lambda x, phi: np.column_stack((x, np.cos(phi), np.sin(phi))))
     np.testing.assert_allclose(again.vertices, mesh.vertices, atol=1e-14)
@@ -141,7 +139,7 @@ def test_amplitudes_of_coils_and_buckles(family):
     cylinder, fourth = equation.at(family, 0.0), {"coil": 2, "buckle": 20}[family]
     found = []
     for v in (0.99, 0.975):
-        point = tube_branch(0.0, L, family, (1, 1), branch_options({"v": v})).points[-1]
+        point = family_branch(Tube(0.0, L), family, (1, 1), branch_options({"v": v}), discretization="modes").points[-1]
         problem, u = meshed(point, 600)
         a, b = np.abs(amplitudes_at(problem, u, 1, 1))
         A = max(a, b)
@@ -159,7 +157,7 @@ def test_amplitudes_of_coils_and_buckles(family):
 @pytest.mark.parametrize("family", ["coil", "buckle"])
 def test_rigid_motions_tell_the_error_of_growth_rates(family, kind, order):
     """``mu_error`` beside the true error of ``mu_crit``, from the spectrum in reduced modes: of its size, and of its order."""
-    point = tube_branch(0.0, L, family, (1, 1), branch_options({"v": 0.95})).points[-1]
+    point = family_branch(Tube(0.0, L), family, (1, 1), branch_options({"v": 0.95}), discretization="modes").points[-1]
     known, true = [], []
     for nodes in (500, 1000):
         problem, u = meshed(point, nodes, kind=kind)

@@ -9,14 +9,14 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from pearlbvp.figures.surface import faces_of
+from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.families import graded, jittered, tube_mesh
 from pearlbvp.mesh.functional import Functional
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.sections import centres, distances, radii
 from pearlbvp.mesh.subdivision import limit_matrix
-from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.mesh import meshed
-from pearlbvp.studies.tube import tube_branch
 
 L = 10.0
 K = 2 * np.pi / L
@@ -113,10 +113,12 @@ def of_sections(point, places):
 @pytest.fixture(scope="module", params=["coil", "buckle"])
 def exact(request):
     """A shape in reduced modes, and what is to be found on meshes: amplitudes about centroids."""
-    end = tube_branch(0.0, L, request.param, (1, 1), branch_options({"v": 0.95})).points[-1]
-    thin, thick = of_sections(end.point, [0.0] if request.param == "coil" else np.linspace(0, L / 2, 21))
+    end = family_branch(
+        Tube(0.0, L), request.param, (1, 1), branch_options({"v": 0.95}), discretization="modes"
+    ).points[-1]
+    thin, thick = of_sections(end, [0.0] if request.param == "coil" else np.linspace(0, L / 2, 21))
     radial = {"r_min": thin, "r_max": thick, "amplitude": (thick - thin) / 2}
-    return request.param, end.point, end.observables | radial | {"mu_crit": end.spectrum.mu_crit}
+    return request.param, end, end.observables | radial | {"mu_crit": end.spectrum.mu_crit}
 
 
 def test_radii_of_equilibria_are_of_fourth_order(exact):

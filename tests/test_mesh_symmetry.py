@@ -7,9 +7,8 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.families import ENOUGH_SCREWS, divisions, screws, tube_mesh
 from pearlbvp.mesh.start import onset
 from pearlbvp.mesh.symmetry import orbits
-from pearlbvp.studies.branch import branch_options
-from pearlbvp.studies.mesh import mesh_branch, meshed
-from pearlbvp.studies.tube import tube_branch
+from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.mesh import meshed
 from pearlbvp.theory.dispersion import growth_rate
 
 
@@ -35,8 +34,8 @@ def test_meshes_of_coils_keep_screws(length, mode):
 def test_a_coil_s_branch_on_few_nodes_passes_the_one_that_crosses_it():
     """The neutral modes break its screws, so the coil stays one: the branch point and stability of reduced modes."""
     options = branch_options({"v": 0.88})
-    branch = mesh_branch(0.48, 10.0, "coil", (1, 1), 500, options)
-    exact = tube_branch(0.48, 10.0, "coil", (1, 1), options)
+    branch = family_branch(Tube(0.48, 10.0), "coil", (1, 1), options, nodes=500)
+    exact = family_branch(Tube(0.48, 10.0), "coil", (1, 1), options)
     assert branch.complete, branch.reason
     crossings = [b.find("bp") for b in (branch, exact)]
     places = [b.points[found[0].index].observables for b, found in zip((branch, exact), crossings, strict=True)]
@@ -46,7 +45,7 @@ def test_a_coil_s_branch_on_few_nodes_passes_the_one_that_crosses_it():
 
 
 def test_meshed_coils_keep_their_screws():
-    coil = tube_branch(0.0, 10.0, "coil", (1, 1), branch_options({"v": 0.95})).points[-1]
+    coil = family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.95})).points[-1]
     problem, u = meshed(coil, 500)
     assert problem.symmetric(u).orbits.max() + 1 < problem.mesh.count / ENOUGH_SCREWS
 
@@ -68,12 +67,12 @@ def test_a_neutral_mode_drowns_no_other():
 def test_branches_from_the_straight_tube_are_of_fourth_order(family):
     """Vertices that moved along normals lie less well than those of a mesh made for the shape; the order is the same."""
     options = branch_options({"v": 0.95})
-    exact = tube_branch(0.0, 10.0, family, (1, 1), options).points[-1].observables
+    exact = family_branch(Tube(0.0, 10.0), family, (1, 1), options, discretization="modes").points[-1].observables
     errors, counts = [], []
     for nodes in (500, 1000):
-        point = mesh_branch(0.0, 10.0, family, (1, 1), nodes, options).points[-1]
+        point = family_branch(Tube(0.0, 10.0), family, (1, 1), options, nodes=nodes).points[-1]
         errors.append([abs(point.observables[name] / exact[name] - 1) for name in ("lambda1", "lambda2", "E")])
-        counts.append(point.point.problem.mesh.count)
+        counts.append(point.problem.mesh.count)
     orders = 2 * np.log(np.divide(*errors)) / np.log(counts[1] / counts[0])
     assert (orders > 3.3).all(), orders
     assert np.max(errors[1]) < 6e-4

@@ -6,9 +6,10 @@ from test_continuation import Curve
 
 from pearlbvp.continuation.normal_form import normal_form
 from pearlbvp.helfrich import Tube
-from pearlbvp.shapes.pearl import pearling_onset
-from pearlbvp.studies.branch import branch_options, pearl_branch, switched
+from pearlbvp.shapes.pearling import pearling_onset
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.normal_form import COLUMNS, form_at, normal_forms, rate_by_volume
+from pearlbvp.studies.onward import switched
 from pearlbvp.theory.amplitude import amplitude_equation
 
 
@@ -43,7 +44,7 @@ def test_at_the_cylinder_it_is_the_amplitude_equation(c0, length, m):
 
 def test_a_secondary_branch_point_predicts_the_localized_branch():
     """Volumes, pressures and growth rates along the localized branch, as it leaves pearls of period 7.5 on L = 15."""
-    pearls = pearl_branch(0.48, 15, 2, branch_options({"v": 1.02}))
+    pearls = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.02}))
     table = normal_forms(pearls)
     assert list(table.columns) == COLUMNS
     assert list(table.form) == ["pitchfork"]

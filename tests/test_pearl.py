@@ -12,7 +12,7 @@ import pearls
 from pearlbvp.continuation.path import correct
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions, newton
-from pearlbvp.shapes.pearl import full_cell_problem, pearling_onset
+from pearlbvp.shapes.pearling import pearling_onset
 from pearlbvp.theory.dispersion import critical_lambda2
 
 AUTO = pd.read_csv(Path(__file__).parent / "data" / "auto07p_pearl_c0_0_L10_m1.csv")
@@ -59,7 +59,7 @@ def test_doubling_the_mesh_changes_nothing_to_1e_10():
 
 def test_full_cell_agrees_with_the_half_cell_and_its_unfolding_stays_at_rest():
     half, u = pearls.at(pearls.path(0.0, 10.0, 1.3), "v", 1.15)
-    problem, (guess,) = full_cell_problem(half, u)
+    problem, (guess,) = half.whole_cell(u)
     names = problem.discretization.free
     direction = np.zeros_like(guess)
     direction[guess.size - len(names) + names.index("v")] = 1

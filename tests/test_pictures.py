@@ -16,6 +16,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 from pearlbvp.figures import canvas
+from pearlbvp.helfrich import Tube
 
 ROOT = Path(__file__).parents[1]
 
@@ -35,13 +36,12 @@ BROKEN = b"text.usetex: True\nfont.family: Nothing Such\nno such line\nlines.lin
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     """Saved branches of two pearls and of coils."""
-    from pearlbvp.studies.branch import branch_options, pearl_branch
+    from pearlbvp.studies.branch import branch_options, family_branch
     from pearlbvp.studies.saved import save
-    from pearlbvp.studies.tube import tube_branch
 
     folder = tmp_path_factory.mktemp("pictures")
-    save(pearl_branch(0.48, 15, 2, branch_options(max_points=4)), folder / "pearl.h5")
-    save(tube_branch(0.0, 10, "coil", (1, 1), branch_options(max_points=3)), folder / "coil.h5")
+    save(family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options(max_points=4)), folder / "pearl.h5")
+    save(family_branch(Tube(0.0, 10), "coil", (1, 1), branch_options(max_points=3)), folder / "coil.h5")
     return folder
 
 

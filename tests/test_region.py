@@ -3,7 +3,8 @@
 import pytest
 
 from pearlbvp.errors import InputError
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.localized import localized_pearls
 from pearlbvp.studies.period import least_energy, pearl_periods
 from pearlbvp.studies.region import stability_region
@@ -36,7 +37,7 @@ def test_least_energy_is_that_of_the_best_branch(v):
     found = least_energy(0.48, 20.0, v)
     energies = {}
     for m in (1, 2, 3):
-        last = pearl_branch(0.48, 20, m, branch_options({"v": v})).table().iloc[-1]
+        last = family_branch(Tube(0.48, 20), "pearl", (m, 0), branch_options({"v": v})).table().iloc[-1]
         assert last.v == pytest.approx(v, abs=1e-12)
         energies[m] = last.E
     best = min(energies, key=energies.get)

@@ -15,37 +15,34 @@ from pearlbvp.flow.driver import FlowOptions
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.families import tube_mesh
 from pearlbvp.studies.amplitude import predicted_branch
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.diagram import Diagram
 from pearlbvp.studies.flow_start import pearl_start
 from pearlbvp.studies.localized import PeriodicPearls
-from pearlbvp.studies.mesh import mesh_branch
-from pearlbvp.studies.ring import ring_branch
-from pearlbvp.studies.tube import tube_branch
 
 LONGEST, WIDEST = 20, 2000
 
 
 def of_branches():
-    yield pearl_branch(0.48, 30, 4, branch_options({"bp": 2}))
-    yield ring_branch(-1.0, 10, 2, branch_options({"v": 0.9}))
-    yield tube_branch(0.48, 10, "coil", (1, 1), branch_options({"v": 0.98}))
-    yield mesh_branch(0.0, 10, "pearl", (1, 0), 120, branch_options(max_points=2))
+    yield family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"bp": 2}))
+    yield family_branch(Tube(-1.0, 10), "ring", (0, 2), branch_options({"v": 0.9}))
+    yield family_branch(Tube(0.48, 10), "coil", (1, 1), branch_options({"v": 0.98}))
+    yield family_branch(Tube(0.0, 10), "pearl", (1, 0), branch_options(max_points=2), nodes=120)
     yield predicted_branch(0.0, 10, (1, 1))
 
 
 def objects():
     for branch in of_branches():
         entry = branch.points[-1]
-        yield from (branch, entry, entry.point, entry.point.problem, entry.spectrum, branch.special)
-        if hasattr(entry.point.problem, "profile"):
-            profile = entry.point.problem.profile(entry.point.u)
+        yield from (branch, entry, entry, entry.problem, entry.spectrum, branch.special)
+        if hasattr(entry.problem, "profile"):
+            profile = entry.problem.profile(entry.u)
             yield from (profile, profile.states)
     yield Diagram({str(i): branch for i in range(40)}, {"1/1": "why"})
     pearls = PeriodicPearls.trace(0.48, 7.5)
     yield from (pearls, pearls.path, pearls.functions, pearls.path.points[0].problem.discretization)
     yield tube_mesh(10, 300)
-    point = pearl_branch(0.48, 7.5, 1, branch_options({"v": 1.01})).points[-1].point
+    point = family_branch(Tube(0.48, 7.5), "pearl", (1, 0), branch_options({"v": 1.01})).points[-1]
     start = pearl_start(point.problem, point.u, points=32)
     result = start.flow(start.perturbed("bump", 0.01, keep=True), FlowOptions(until=1.0))
     yield from (start, start.problem, result, result.state, result.state.record, result.state.record.frames[0])
@@ -61,7 +58,7 @@ def test_no_object_fills_the_screen():
 
 
 def test_a_branch_says_what_it_is_where_it_goes_and_why_it_ends():
-    branch = pearl_branch(0.48, 30, 4, branch_options({"bp": 2}))
+    branch = family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"bp": 2}))
     first, *special, last = repr(branch).splitlines()
     assert first == "pearl branch, 7 points, c0 = 0.48, L = 30, v = 1 to 1.0081107"
     assert [line.split(",")[0].strip() for line in special] == ["point 4: bp", "point 6: bp"]

@@ -12,12 +12,12 @@ from pearlbvp.continuation.path import correct
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions, newton
-from pearlbvp.shapes.ring import HALF_LOBE, ring_onset
+from pearlbvp.shapes.lobe import HALF_LOBE
+from pearlbvp.shapes.ring import CONTACT, ring_onset
 from pearlbvp.stability.planar import PlanarBlock, PlanarVariation, PlaneProfile, classes_of, planar_spectrum
-from pearlbvp.studies.branch import COLUMNS, branch_options
-from pearlbvp.studies.ring import CONTACT, ring_branch, ring_resumed
+from pearlbvp.studies.branch import COLUMNS, branch_options, family_branch
+from pearlbvp.studies.onward import resumed
 from pearlbvp.studies.ring_onsets import exact_profile, neutral_rings, ring_onsets
-from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.theory.dispersion import growth_rate
 from pearlbvp.theory.elastica import ring_at, touching_ring
@@ -25,7 +25,7 @@ from pearlbvp.theory.elastica import ring_at, touching_ring
 
 @cache
 def branch(c0, n=2, **until):
-    return ring_branch(c0, 10, n, branch_options(until))
+    return family_branch(Tube(c0, 10), "ring", (0, n), branch_options(until))
 
 
 @pytest.mark.parametrize("n", [2, 3])
@@ -37,11 +37,11 @@ def test_rings_are_the_exact_ones(n):
         np.testing.assert_allclose(found, expected, atol=1e-10)
         radii = np.abs(exact.position(np.array([0.0, math.pi / n])))
         assert (last.observables["r_max"], last.observables["r_min"]) == pytest.approx(tuple(radii), abs=1e-10)
-        outline = last.point.problem.outline(last.point.u, 100)
+        outline = last.problem.outline(last.u, 100)
         np.testing.assert_allclose(outline, exact.position(np.linspace(0, 2 * math.pi, 100)), atol=1e-9)
-        y, z = last.point.problem.section(last.point.u, 3.0)
+        y, z = last.problem.section(last.u, 3.0)
         assert np.trapezoid(y, z) == pytest.approx(math.pi * v, rel=2e-3)  # the area of a polygon of 180 sides
-        assert last.point.problem.first_integral_spread(last.point.u) < 1e-9
+        assert last.problem.first_integral_spread(last.u) < 1e-9
 
 
 @pytest.mark.parametrize("m", [2, 3])
@@ -83,7 +83,7 @@ def test_the_jacobian_is_the_residual_s(n):
 @pytest.mark.parametrize(("c0", "n"), [(0.0, 2), (-1.0, 2), (0.48, 3)])
 def test_minus_twice_the_slope_of_the_energy_is_the_pressure(c0, n):
     for v in (0.95, 0.85):
-        point = branch(c0, n, v=v).points[-1].point
+        point = branch(c0, n, v=v).points[-1]
         problem, u = point.problem, point.u
         ahead, behind = (
             problem.observables(correct(problem, u + h * point.tangent, point.tangent, u, h, NewtonOptions())[0].u)
@@ -120,7 +120,7 @@ def test_growth_rates_are_those_of_reduced_modes(c0, n, v):
     """Another discretization, in two dimensions and by exact derivatives of the energy, of the same rings."""
     ours, theirs = (
         branch(c0, n, v=v).points[-1],
-        tube_branch(c0, 10, "ring", (0, n), branch_options({"v": v})).points[-1],
+        family_branch(Tube(c0, 10), "ring", (0, n), branch_options({"v": v}), discretization="modes").points[-1],
     )
     for name in ("lambda1", "lambda2", "E", "r_min", "r_max"):
         assert ours.observables[name] == pytest.approx(theirs.observables[name], abs=1e-9)
@@ -247,13 +247,13 @@ def test_onsets_for_all_lengths_are_the_branches_branch_points():
     assert list(onsets.status) == ["none_in_range", "found", "found"]
     assert list(onsets.j[1:]) == [1, 1]
     for row in onsets[1:].itertuples():
-        followed = ring_branch(-1.0, row.L, 2, branch_options({"v": row.v - 0.01}))
+        followed = family_branch(Tube(-1.0, row.L), "ring", (0, 2), branch_options({"v": row.v - 0.01}))
         first = followed.find("bp")[0]
         assert str(first.block) == row.block
         for name in ("lambda1", "lambda2", "v", "E", "amplitude"):
             assert getattr(row, name) == pytest.approx(followed.at(first).observables[name], abs=1e-9)
     assert (branch(-1.0, v=0.85).table().n_unstable.iloc[0], len(onsets)) == (0, 3)
-    assert (ring_branch(-1.0, 5.0).table().n_unstable == 0).all()  # none in range
+    assert (family_branch(Tube(-1.0, 5.0), "ring", (0, 2)).table().n_unstable == 0).all()  # none in range
 
 
 def test_rings_on_long_tubes_lose_stability_in_proportion_to_the_square_of_the_wave_number():
@@ -292,30 +292,30 @@ def test_a_branch_ends_exactly_at_contact_unless_told_to_stop_before():
     stopped = branch(-1.0, r_min=0.25, v=0.1)
     assert (stopped.complete, stopped.special[-1].kind) == (True, "stop")
     assert stopped.points[-1].observables["r_min"] == pytest.approx(0.25, abs=1e-12)
-    near = ring_resumed(branch(-1.0, r_min=0.0045), branch_options(max_step=1e-2))  # no neck is too thin for a ring
+    near = resumed(branch(-1.0, r_min=0.0045), branch_options(max_step=1e-2))  # no neck is too thin for a ring
     assert near.reason == CONTACT
     assert (near.table().r_min < 4e-3).sum() > 3
     beyond = branch(-1.0, v=0.1)
     assert (beyond.reason, beyond.complete) == (CONTACT, False)
     with pytest.raises(InputError, match="^resume: "):
-        ring_resumed(whole, branch_options())
+        resumed(whole, branch_options())
 
 
 @pytest.mark.parametrize("n", [2, 3])
 def test_the_radius_over_the_angle_is_that_of_the_curve(n):
-    last = branch(-1.0, n, v=0.85).points[-1].point
+    last = branch(-1.0, n, v=0.85).points[-1]
     coefficients = last.problem.radius_cosines(last.u, 48)
     points = ring_at(n, "v", 0.85).position(np.linspace(0, 2 * math.pi, 200))
     radius = np.cos(n * np.outer(np.angle(points), np.arange(48))) @ coefficients
     np.testing.assert_allclose(radius, np.abs(points), atol=1e-9)
     assert np.abs(coefficients[-4:]).max() < 1e-9
-    folded = branch(-1.0, n, v=touching_ring(n).v + 1e-3).points[-1].point
+    folded = branch(-1.0, n, v=touching_ring(n).v + 1e-3).points[-1]
     with pytest.raises(ValueError, match="star-shaped"):
         folded.problem.radius_cosines(folded.u, 48)
 
 
 def test_meshes_change_nothing():
-    point = branch(-1.0, 3, v=0.2).points[-1].point
+    point = branch(-1.0, 3, v=0.2).points[-1]
     d = point.problem.discretization
     finer, (u,) = d.on_mesh(np.linspace(0, 1, 61), point.u)
     problem = replace(point.problem, discretization=finer)
@@ -325,7 +325,7 @@ def test_meshes_change_nothing():
     assert result.converged
     for name in ("lambda2", "E", "gap"):
         assert problem.observables(result.u)[name] == pytest.approx(point.observables[name], abs=1e-10)
-    assert problem.adopt(point.problem, point.u) == pytest.approx(u, abs=1e-14)
+    assert problem.transfer(point.problem, point.u) == pytest.approx(u, abs=1e-14)
 
 
 def test_a_profile_goes_all_the_way_around():
@@ -344,14 +344,15 @@ def test_a_profile_goes_all_the_way_around():
     ("arguments", "name"), [((0.0, 10, 1), "mode"), ((0.0, 10, 2.5), "mode"), ((0.0, -1, 2), "length")]
 )
 def test_what_is_no_ring_is_refused(arguments, name):
+    c0, length, n = arguments
     with pytest.raises(InputError, match=f"^{name}: "):
-        ring_branch(*arguments)
+        family_branch(Tube(c0, length), "ring", (0, n))
 
 
 def test_unusable_tolerances_and_tubes_are_refused():
     with pytest.raises(InputError, match="^tolerance: "):
-        ring_branch(0.0, 10, 2, tolerance=1.0)
-    endless = ring_branch(0.0, 1e6)
+        family_branch(Tube(0.0, 10), "ring", (0, 2), tolerance=1.0)
+    endless = family_branch(Tube(0.0, 1e6), "ring", (0, 2))
     assert len(endless.points) == 1
     assert "take a shorter tube" in endless.reason
     with pytest.raises(InputError, match="^lengths: "):

@@ -8,25 +8,25 @@ import pytest
 from pearlbvp.continuation.storage import KIND
 from pearlbvp.errors import InputError
 from pearlbvp.hdf5 import HEADER, sealed
-from pearlbvp.studies.branch import branch_options, pearl_branch
-from pearlbvp.studies.ring import ring_branch
-from pearlbvp.studies.saved import kind_of, load, resumed, save, switched
-from pearlbvp.studies.tube import tube_branch
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.onward import resumed, switched
+from pearlbvp.studies.saved import kind_of, load, save
 
 
 @pytest.fixture(scope="module")
 def pearls():
-    return pearl_branch(0.48, 15, 2, branch_options({"v": 1.01}))
+    return family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.01}))
 
 
 @pytest.fixture(scope="module")
 def rings():
-    return ring_branch(-1.0, 10, 2, branch_options({"v": 0.87}))
+    return family_branch(Tube(-1.0, 10), "ring", (0, 2), branch_options({"v": 0.87}))
 
 
 @pytest.fixture(scope="module")
 def coils():
-    return tube_branch(0.48, 10, "coil", (1, 1), branch_options({"v": 0.9}))
+    return family_branch(Tube(0.48, 10), "coil", (1, 1), branch_options({"v": 0.9}))
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_a_saved_branch_continues_identically(tmp_path, request, family, kind, f
 
 def test_resuming_goes_where_one_run_goes(pearls):
     two_runs = resumed(pearls, branch_options({"v": 1.05})).table().iloc[-1]
-    one_run = pearl_branch(0.48, 15, 2, branch_options({"v": 1.05})).table().iloc[-1]
+    one_run = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.05})).table().iloc[-1]
     for name in ("lambda1", "lambda2", "E", "mu_crit"):
         assert two_runs[name] == pytest.approx(one_run[name], abs=1e-8)
     assert two_runs.special == "stop"

@@ -7,13 +7,13 @@ import pytest
 
 from pearlbvp.continuation.path import correct, steps
 from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.stability.planar import PlanarVariation
-from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.diagram import diagram, join_the_same
-from pearlbvp.studies.ring import reduced, ring_branch, ring_switched
+from pearlbvp.studies.onward import switched
 from pearlbvp.studies.ring_onsets import exact_profile, neutral_rings
-from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.elastica import ring_at
 from pearlbvp.tube.symmetry import ODD_PHI
 
@@ -23,27 +23,27 @@ K = 2 * math.pi / 10
 @pytest.fixture(scope="module")
 def ring():
     """The wrinkled tubes of the paper's Fig. c00f, D."""
-    return ring_branch(0.0, 10, 2, branch_options({"v": 0.88}))
+    return family_branch(Tube(0.0, 10), "ring", (0, 2), branch_options({"v": 0.88}))
 
 
 @pytest.fixture(scope="module")
 def wrinkled():
     """Those of its Fig. cmf1, in reduced modes."""
-    return tube_branch(-1.0, 10, "ring", (0, 2), branch_options({"v": 0.86}))
+    return family_branch(Tube(-1.0, 10), "ring", (0, 2), branch_options({"v": 0.86}), discretization="modes")
 
 
 @pytest.fixture(scope="module")
 def secondary(ring):
     """What leaves D, to where it differs clearly."""
     ends = {1: 0.952, 2: 0.922, 3: 0.88}
-    return {number: ring_switched(ring, number, branch_options({"v": v})) for number, v in ends.items()}
+    return {number: switched(ring, number, branch_options({"v": v})) for number, v in ends.items()}
 
 
 @pytest.fixture(scope="module")
 def oblate():
     """Oblates embedded in wrinkling: what leaves the rings at c0 = -1."""
-    rings = ring_branch(-1.0, 10, 2, branch_options({"v": 0.87}))
-    return ring_switched(rings, 1, branch_options({"v": 0.868}))
+    rings = family_branch(Tube(-1.0, 10), "ring", (0, 2), branch_options({"v": 0.87}))
+    return switched(rings, 1, branch_options({"v": 0.868}))
 
 
 def test_branch_points_of_rings_are_those_of_tubes_and_of_elasticae(ring, wrinkled):
@@ -64,7 +64,7 @@ def test_branch_points_of_rings_are_those_of_tubes_and_of_elasticae(ring, wrinkl
 def test_rings_in_reduced_modes_are_neutral_where_elasticae_are(ring):
     """Every branch point of the rings, in the block of the tube that the new branch is taken from."""
     for special in ring.find("bp"):
-        problem, u, _ = reduced(ring.at(special).point)
+        problem, u, _ = ring.at(special).problem.in_modes(ring.at(special).u, ring.at(special).tangent)
         parity = ODD_PHI if special.block.parity == "odd" else 0
         block = problem.symmetry.block(special.block.j, special.block.c, parity)
         rates = problem.block_rates(u, block, None)
@@ -85,7 +85,7 @@ def test_secondary_branches_exchange_stability_with_the_rings(ring, secondary):
         at = ring.at(special).observables["v"]
         errors, distances = [], []
         for entry in branch.points[1:]:
-            rates = entry.spectrum.rates[entry.point.problem.own_block]
+            rates = entry.spectrum.rates[entry.problem.trivial_block]
             own = rates[np.abs(rates).argmin()]
             v = entry.observables["v"]
             errors.append(own / exact_rate(0.0, special.block, v) + 2)
@@ -113,7 +113,7 @@ def test_unstable_directions_are_those_that_exchange_of_stability_leaves(ring, s
 def test_minus_twice_the_slope_of_the_energy_is_the_pressure(secondary, oblate):
     for branch in (*secondary.values(), oblate):
         for entry in branch.points[1:]:
-            point = entry.point
+            point = entry
             problem, u = point.problem, point.u
             tangent = problem.solve(u, np.append(np.zeros(u.size - 1), 1.0), point.tangent)
             ahead, behind = (problem.observables(u + h * tangent)["E"] for h in (1e-5, -1e-5))
@@ -127,9 +127,9 @@ def test_rigid_motions_are_kernels(secondary, oblate):
 
 def test_more_modes_change_nothing(secondary, oblate):
     for branch in (*secondary.values(), oblate):
-        point = branch.points[-1].point
+        point = branch.points[-1]
         problem = point.problem.resized((point.problem.size[0] + 6, point.problem.size[1] + 6))
-        u = problem.adopt(point.problem, point.u)
+        u = problem.transfer(point.problem, point.u)
         along_v = np.zeros(u.size)
         along_v[-1] = 1.0
         result, _ = correct(problem, u, along_v, u, 0.0, NewtonOptions())
@@ -140,11 +140,11 @@ def test_more_modes_change_nothing(secondary, oblate):
 
 def test_embedded_oblates_become_stable_where_the_paper_stops(secondary):
     """On the branch that leaves D at v = 0.95675, between two volumes on either side of 0.90807; modes do not matter."""
-    path = steps(secondary[1].points[-1].point, branch_options(max_step=0.4).path)
+    path = steps(secondary[1].points[-1], branch_options(max_step=0.4).path)
     last = next(point for point in path if point.observables["v"] < 0.912)
     for size, v, unstable in (((20, 28), 0.9082, 1), ((22, 30), 0.9079, 0)):
         problem = last.problem.resized(size)
-        u = problem.adopt(last.problem, last.u)
+        u = problem.transfer(last.problem, last.u)
         along_v = np.zeros(u.size)
         along_v[-1] = 1.0
         for volume in np.linspace(u[-1], v, 3)[1:]:

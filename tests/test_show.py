@@ -9,16 +9,15 @@ from commands import is_png, run
 
 import pearlbvp.continuation.segment
 import pearlbvp.newton
+from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.files import read_mesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.ring import RingProblem
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.diagram import diagram
-from pearlbvp.studies.mesh import mesh_branch
-from pearlbvp.studies.ring import ring_branch
-from pearlbvp.studies.saved import save, switched
-from pearlbvp.studies.tube import tube_branch
+from pearlbvp.studies.onward import switched
+from pearlbvp.studies.saved import save
 from pearlbvp.tube.problem import TubeProblem
 
 
@@ -26,15 +25,15 @@ from pearlbvp.tube.problem import TubeProblem
 def files(tmp_path_factory):
     """A saved branch of every family."""
     folder = tmp_path_factory.mktemp("branches")
-    pearls = pearl_branch(0.48, 30, 4, branch_options({"v": 1.02}))
+    pearls = family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"v": 1.02}))
     branches = {
         "pearl": pearls,
         "localized": switched(pearls, 1, branch_options({"v": 1.05})),
-        "overhang": pearl_branch(0.0, 10, 1, branch_options({"v": 1.36}, max_step=1.0)),
-        "ring": ring_branch(-1.0, 10, 2, branch_options({"v": 0.7})),
-        "coil": tube_branch(0.48, 10, "coil", (1, 1), branch_options({"v": 0.88})),
-        "buckle": tube_branch(0.0, 10, "buckle", (1, 1), branch_options({"v": 0.93})),
-        "mesh": mesh_branch(0.0, 10, "pearl", (1, 0), 200, branch_options({"v": 1.01})),
+        "overhang": family_branch(Tube(0.0, 10), "pearl", (1, 0), branch_options({"v": 1.36}, max_step=1.0)),
+        "ring": family_branch(Tube(-1.0, 10), "ring", (0, 2), branch_options({"v": 0.7})),
+        "coil": family_branch(Tube(0.48, 10), "coil", (1, 1), branch_options({"v": 0.88})),
+        "buckle": family_branch(Tube(0.0, 10), "buckle", (1, 1), branch_options({"v": 0.93})),
+        "mesh": family_branch(Tube(0.0, 10), "pearl", (1, 0), branch_options({"v": 1.01}), nodes=200),
     }
     for name, branch in branches.items():
         save(branch, folder / f"{name}.h5")
@@ -193,7 +192,7 @@ def test_what_cannot_be_shown_is_said_in_one_line(capsys, files, tmp_path, monke
 def test_the_vertices_of_a_mesh_are_its_own(capsys, files, tmp_path, reading_only):
     path, branch = files["mesh"]
     status, _, _ = run(capsys, "show", path, "--surface", tmp_path / "m.vtu", "--out", tmp_path / "t.csv")
-    point = branch.points[-1].point
+    point = branch.points[-1]
     assert status == 0
     assert read_mesh(tmp_path / "m.vtu", 10).area == pytest.approx(point.problem.surface(point.u).area, rel=1e-9)
 

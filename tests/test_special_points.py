@@ -6,23 +6,20 @@ import numpy as np
 import pytest
 from test_continuation import Curve
 
-from pearlbvp.continuation.branch import BranchOptions, continue_branch, start_point
+from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.path import PathOptions
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
-from pearlbvp.shapes.pearl import pearling_onset
+from pearlbvp.shapes.pearling import pearling_onset
 from pearlbvp.stability.spectrum import Block
-from pearlbvp.studies.branch import (
-    branch_options,
-    pearl_branch,
-    switched,
-    varied,
-)
+from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.onward import switched, varied
 
 
 def test_c0_075_has_two_folds_in_v_where_the_paper_says():
-    branch = pearl_branch(0.75, 10, 1, branch_options({"lambda2": -4.0}))
+    branch = family_branch(Tube(0.75, 10), "pearl", (1, 0), branch_options({"lambda2": -4.0}))
     folds = [branch.at(special).observables["v"] for special in branch.find("fold:v")]
     assert folds == [pytest.approx(1.045, abs=1e-3), pytest.approx(0.98, abs=2e-3)]
     # At a turning point of v an unstable perturbation at fixed v is gained or lost: no branch points there.
@@ -37,7 +34,7 @@ def test_c0_075_has_two_folds_in_v_where_the_paper_says():
 class Spectral(Curve):
     """A curve with two made-up blocks of growth rates, whose zeros are known."""
 
-    own_block = "own"
+    trivial_block = "own"
     conserved = "y"
 
     def poles(self, u):
@@ -56,7 +53,9 @@ class Spectral(Curve):
 
 def test_several_special_points_in_one_step_are_all_found():
     circle = Spectral(lambda x, y: x**2 + y**2 - 1, lambda x, y: np.array([2 * x, 2 * y]))
-    start = start_point(circle, np.array([math.cos(0.28), math.sin(0.28)]), np.array([-math.sin(0.28), math.cos(0.28)]))
+    start = Solution.along(
+        circle, np.array([math.cos(0.28), math.sin(0.28)]), np.array([-math.sin(0.28), math.cos(0.28)])
+    )
     options = BranchOptions(PathOptions(step=0.2), {"x": -0.5}, folds=("x", "y"))
     branch = continue_branch(start, options)
     bps = branch.find("bp")
@@ -70,13 +69,13 @@ def test_several_special_points_in_one_step_are_all_found():
 
 def test_through_a_surface_of_constant_mean_curvature():
     """c0 = 0.75, m = 2: multipliers pass through infinity near v = 0.9719, while shape, v and E stay smooth."""
-    branch = pearl_branch(0.75, 10, 2, branch_options(max_points=70))
+    branch = family_branch(Tube(0.75, 10), "pearl", (2, 0), branch_options(max_points=70))
     (special,) = branch.find("cmc")
     entry = branch.at(special)
     assert entry.observables["v"] == pytest.approx(0.9719, abs=1e-4)
     assert abs(entry.observables["lambda1"]) > 1e9
     # An unduloid: the mean curvature is the same everywhere, and r cos psi - H r^2 is a first integral.
-    profile = entry.point.problem.profile(entry.point.u)
+    profile = entry.problem.profile(entry.u)
     r, psi, h, _ = profile.states.values.T
     assert np.ptp(h) < 1e-10
     assert np.ptp(r * np.cos(psi) - h[0] * r**2) < 1e-10
@@ -91,7 +90,7 @@ def test_through_a_surface_of_constant_mean_curvature():
 
 
 def test_turning_points_of_c0_are_folds_and_no_branch_points():
-    here = pearl_branch(0.75, 10, 1, branch_options({"lambda2": -1.0}))
+    here = family_branch(Tube(0.75, 10), "pearl", (1, 0), branch_options({"lambda2": -1.0}))
     moved = varied(here, -1, "c0", branch_options(max_points=40), upwards=False)
     (fold,) = moved.find("fold:c0")
     assert moved.at(fold).observables["c0"] == pytest.approx(0.5843949, abs=1e-7)
@@ -104,8 +103,8 @@ def test_turning_points_of_c0_are_folds_and_no_branch_points():
 
 def test_at_given_pressure_stability_changes_where_lambda2_turns():
     options = branch_options({"v": 1.06})
-    pressure = pearl_branch(-0.8, 25, 3, options, fixed="area")
-    volume = pearl_branch(-0.8, 25, 3, options)
+    pressure = family_branch(Tube(-0.8, 25), "pearl", (3, 0), options, fixed="area")
+    volume = family_branch(Tube(-0.8, 25), "pearl", (3, 0), options)
     (fold,) = pressure.find("fold:lambda2")
     own = Block(0, 0, 3, "even")
     before, after = (pressure.points[fold.index + i].spectrum.rates[own] for i in (-1, 1))
@@ -119,7 +118,7 @@ def test_at_given_pressure_stability_changes_where_lambda2_turns():
 def test_folds_that_belong_together_are_one_point():
     """``dE = -lambda2/2 dv``: energy and volume turn together, whatever the steps."""
     for max_step in (0.05, 0.5):
-        branch = pearl_branch(0.75, 10, 1, branch_options({"lambda2": -4.0}, max_step=max_step))
+        branch = family_branch(Tube(0.75, 10), "pearl", (1, 0), branch_options({"lambda2": -4.0}, max_step=max_step))
         for special in branch.find("fold:v"):
             assert {"fold:v", "fold:E"} <= set(branch.kinds(special.index))
         last = branch.at(branch.find("fold:v")[-1]).observables
@@ -131,7 +130,7 @@ def test_special_points_beside_a_nearly_neutral_mode_are_located():
     found = []
     for degree, tolerance in ((5, 1e-8), (6, 1e-9)):
         problem, u, tangent = pearling_onset(Tube(0.48, 60), 8, degree=degree, tolerance=tolerance)
-        pearls = continue_branch(start_point(problem, u, tangent), branch_options({"v": 1.008}), at_bifurcation=True)
+        pearls = continue_branch(Solution.along(problem, u, tangent), branch_options({"v": 1.008}), at_bifurcation=True)
         beyond = switched(pearls, 3, branch_options(max_points=40))
         assert all(special.converged for special in beyond.special)
         found.append([beyond.at(special).observables["v"] for special in beyond.find("fold:v")])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from pearlbvp.studies.branch import branch_options
-from pearlbvp.studies.tube import tube_branch
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, family_branch
 from sweep import Case, drawn, faults, unstable_on_the_cylinder
 
 SLOW = {1, 4, 9, 20, 22, 28}
@@ -32,7 +32,7 @@ def test_buckles_of_long_and_short_tubes(c0, length):
 @pytest.mark.parametrize(("c0", "length", "m"), [(-1.13361, 3.81249, 2), (2.45951, 2.16036, 4), (0.23098, 3.81383, 4)])
 def test_all_that_grows_on_a_coil_is_counted(c0, length, m):
     """Dozens of waves, more of a kind than a spectrum keeps at least, and of many turns in the coil's frame."""
-    branch = tube_branch(c0, length, "coil", (m, 1), branch_options(max_points=2))
+    branch = family_branch(Tube(c0, length), "coil", (m, 1), branch_options(max_points=2))
     start = branch.points[0]
     expected = unstable_on_the_cylinder(Case("coil", c0, length, m, 1, 0.5), start.observables["lambda2"])
     assert start.spectrum.n_unstable == expected > 20

@@ -14,8 +14,8 @@ from pearlbvp.continuation.path import correct
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.studies.branch import branch_options, pearl_branch
-from pearlbvp.studies.tube import tube_branch, tube_switched
+from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.onward import switched
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.theory.dispersion import growth_rate
 from pearlbvp.tube.density import gradients, hessians
@@ -29,8 +29,12 @@ MODES = {"ring": (0, 2), "coil": (1, 1), "buckle": (1, 1), "pearl": (1, 0)}
 
 
 def followed(c0, family, v, step=0.3, mode=None):
-    return tube_branch(
-        c0, 10, family, mode or MODES[family], branch_options({"v": v}, step=min(0.05, step), max_step=step)
+    return family_branch(
+        Tube(c0, 10),
+        family,
+        mode or MODES[family],
+        branch_options({"v": v}, step=min(0.05, step), max_step=step),
+        discretization="modes",
     )
 
 
@@ -68,7 +72,7 @@ def buckles():
 @pytest.fixture(scope="module")
 def between(coils):
     """What branches off the coils where they become stable."""
-    return tube_switched(coils, 1, branch_options())
+    return switched(coils, 1, branch_options())
 
 
 def test_the_densities_derivatives():
@@ -155,7 +159,7 @@ def test_branches_are_those_of_graphs_over_the_cylinder(c0, family, n):
 def test_pearls_are_those_of_arclength():
     """Reduced modes against collocation of the profile, with all growth rates that both count."""
     one = followed(0.0, "pearl", 1.03)
-    other = pearl_branch(0.0, 10, 1, branch_options({"v": 1.03}))
+    other = family_branch(Tube(0.0, 10), "pearl", (1, 0), branch_options({"v": 1.03}))
     for name in ("lambda1", "lambda2", "E", "r_min", "r_max"):
         assert one.points[-1].observables[name] == pytest.approx(other.points[-1].observables[name], abs=1e-9)
     rates = [all_rates(branch.points[-1].spectrum)[:12] for branch in (one, other)]
@@ -195,7 +199,7 @@ def test_blocks_hold_every_perturbation_once(family, m, n):
 def test_minus_twice_the_slope_of_the_energy_is_the_pressure(ring, coil, buckle, between):
     for branch in (ring, coil, buckle, between):
         for place in (2, len(branch.points) - 2):
-            point = branch.points[place].point
+            point = branch.points[place]
             problem, u = point.problem, point.u
             tangent = problem.solve(u, np.append(np.zeros(u.size - 1), 1.0), point.tangent)
             ahead, behind = (problem.observables(u + h * tangent)["E"] for h in (1e-5, -1e-5))
@@ -206,7 +210,7 @@ def test_minus_twice_the_slope_of_the_energy_is_the_pressure(ring, coil, buckle,
 def refined(point, size, symmetry=None):
     """A solution at the same volume on other modes."""
     problem = point.problem.resized(size) if symmetry is None else replace(point.problem, symmetry=symmetry, size=size)
-    u = problem.adopt(point.problem, point.u)
+    u = problem.transfer(point.problem, point.u)
     along_v = np.zeros(u.size)
     along_v[-1] = 1.0
     result, _ = correct(problem, u, along_v, u, 0.0, NewtonOptions())
@@ -216,19 +220,19 @@ def refined(point, size, symmetry=None):
 
 def test_more_modes_change_nothing(ring, coil, buckle):
     for branch, accuracy in ((ring, 1e-10), (coil, 1e-10), (buckle, 1e-9)):
-        point = branch.points[-1].point
+        point = branch.points[-1]
         size = tuple(most + 8 if most else 0 for most in point.problem.size)
         problem, u = refined(point, size)
         assert problem.observables(u)["lambda2"] == pytest.approx(point.observables["lambda2"], abs=accuracy)
         rates, finer = (
-            s.rates[point.problem.own_block] for s in (point.problem.spectrum(point.u), problem.spectrum(u))
+            s.rates[point.problem.trivial_block] for s in (point.problem.spectrum(point.u), problem.spectrum(u))
         )
         np.testing.assert_allclose(rates[:2], finer[:2], atol=1e-7)
 
 
 def test_a_coil_in_the_frame_at_rest_is_the_same(coils):
     """One dimension in a turning frame, and two in one at rest."""
-    point = coils.points[2].point
+    point = coils.points[2]
     problem = TubeProblem(TubeSymmetry(1, 1, 0, frozenset({0, 3, 12, 15})), 0.48, 10, (20, 20))
     known, u = point.problem.known(point.u), np.zeros(len(problem.modes) + 3)
     for i, mode in enumerate(problem.modes):
@@ -246,7 +250,7 @@ def test_a_coil_in_the_frame_at_rest_is_the_same(coils):
 def test_rigid_motions_are_kernels_where_the_modes_resolve_the_shape(ring, coil, buckle, between):
     for branch in (ring, coil, buckle, between):
         assert branch.points[-1].spectrum.residual <= 1e-7
-    point = buckle.points[-1].point
+    point = buckle.points[-1]
     coarse, u = refined(point, (6, 6))
     assert coarse.spectrum(u).residual > 1e-7
 
@@ -277,7 +281,7 @@ def test_the_spectrum_of_a_coil_is_that_of_its_graph():
 
 def test_the_spectrum_of_a_mixed_tube_is_that_of_all_modes_at_once(between):
     """No blocks, no waves: every mode on the tube, forms summed point by point, rigid motions found as kernels."""
-    point = between.points[1].point
+    point = between.points[1]
     problem, u = point.problem, point.u
     assert problem.symmetry.period == 2  # all of the tube, in modes of half its length
     most = 9
@@ -304,11 +308,11 @@ def test_the_branch_between_coils_and_buckles(coils, buckles, between):
     for name in ("lambda1", "lambda2", "E"):
         assert between.points[-1].observables[name] == pytest.approx(buckles.at(lost).observables[name], abs=1e-8)
     assert (between.table().n_unstable == 0).all()
-    back = tube_switched(buckles, 1, branch_options())
+    back = switched(buckles, 1, branch_options())
     assert back.points[-1].observables["v"] == pytest.approx(coils.at(gained).observables["v"], abs=1e-8)
     # Two frames, and at the same volume one shape.
     v = between.points[2].observables["v"]
-    again = tube_switched(buckles, 1, branch_options({"v": v}))
+    again = switched(buckles, 1, branch_options({"v": v}))
     assert again.points[-1].observables["E"] == pytest.approx(between.points[2].observables["E"], abs=1e-10)
 
 
@@ -320,7 +324,7 @@ def test_lambda2_turns_on_the_buckles(coils, buckles):
 
 def test_a_switch_back_to_what_is_more_symmetric_is_refused(between):
     with pytest.raises(InputError, match="^switch: .*more symmetric"):
-        tube_switched(between, 1, branch_options())
+        switched(between, 1, branch_options())
 
 
 def test_symmetry_groups_by_what_breaks_them():
@@ -336,9 +340,9 @@ def test_symmetry_groups_by_what_breaks_them():
 
 def test_a_rigid_motion_that_the_symmetry_leaves_free_is_pinned(buckle):
     """Even in x but not in phi: the buckle turned about its axis is a solution too, and Newton's method needs a phase."""
-    point = buckle.points[-1].point
+    point = buckle.points[-1]
     block = point.problem.symmetry.block(0, 0, 2)
-    problem, (u, _) = point.problem.embed(block, "pearl", point.u, point.tangent)
+    problem, (u, _) = point.problem.lift(block, "pearl", point.u, point.tangent)
     assert problem.pinned is not None
     along_v = np.zeros(u.size)
     along_v[-1] = 1.0
@@ -350,7 +354,7 @@ def test_a_rigid_motion_that_the_symmetry_leaves_free_is_pinned(buckle):
 
 
 def test_extremes_are_those_of_the_function(between):
-    point = between.points[1].point
+    point = between.points[1]
     _, y, z = point.problem.surface(point.u, np.linspace(0, 5, 50), 50)
     basis = Basis.of(point.problem.modes, point.problem.k, point.problem.kappa, np.zeros(1), np.zeros(1))
     assert basis.fields.shape[2] == len(point.problem.modes)
@@ -366,7 +370,7 @@ def test_surface_has_the_area_and_the_volume(between):
     """The points of the surface as flat triangles: second order in their size."""
     errors = []
     for n in (60, 120):
-        point = between.points[1].point
+        point = between.points[1]
         x, y, z = point.problem.surface(point.u, np.linspace(0, 10, n + 1), n)
         corners = np.stack((x, y, z), axis=-1)
         a, b, c, d = corners[:-1, :-1], corners[1:, :-1], corners[:-1, 1:], corners[1:, 1:]
@@ -386,7 +390,7 @@ def test_what_is_no_family_of_the_mode_is_refused():
 
 def test_growth_rates_of_slender_coils_are_not_rounding():
     """Some displacements of a steep section hardly move the surface along its normal: rates must not feel their lightness."""
-    point = followed(0.48, "coil", 0.4).points[-1].point
+    point = followed(0.48, "coil", 0.4).points[-1]
     problem, u = refined(point, (0, point.problem.size[1] + 40))
     noise = 1 + 1e-15 * np.random.default_rng(4).standard_normal(point.u.size)
     rates = [

@@ -11,10 +11,9 @@ from scipy.optimize import brentq
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
-from pearlbvp.studies.branch import STRAIGHT_WAVE, branch_options, followed, varied
-from pearlbvp.studies.ring import ring_branch
+from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.onward import STRAIGHT_WAVE, followed, switched, varied
 from pearlbvp.studies.saved import load, save
-from pearlbvp.studies.tube import tube_branch, tube_switched
 from pearlbvp.theory.amplitude import exchange_lengths
 from pearlbvp.tube.onset import onset
 from pearlbvp.tube.problem import TubeParameters, TubeProblem
@@ -24,19 +23,19 @@ NAMES = ("lambda1", "lambda2", "v", "E", "r_min", "r_max", "c0", "L")
 
 @pytest.fixture(scope="module")
 def coils():
-    return tube_branch(0.48, 10, "coil", (1, 1), branch_options({"v": 0.9}, max_step=0.3))
+    return family_branch(Tube(0.48, 10), "coil", (1, 1), branch_options({"v": 0.9}, max_step=0.3))
 
 
 @pytest.fixture(scope="module")
 def buckles():
-    return tube_branch(0.48, 10, "buckle", (1, 1), branch_options({"v": 0.97}, max_step=0.15))
+    return family_branch(Tube(0.48, 10), "buckle", (1, 1), branch_options({"v": 0.97}, max_step=0.15))
 
 
 def perturbed(family, m, n, *free, size=(4, 5)):
     problem, u, direction = onset(Tube(0.3, 10), family, m, n, size=size)
     rng = np.random.default_rng(1)
     u = u + 0.1 * direction + 0.04 / len(problem.modes) * rng.standard_normal(u.size)
-    return (*problem.released(u, *free), rng)
+    return (*problem.freeing(u, *free), rng)
 
 
 @pytest.mark.parametrize(("family", "m", "n"), [("coil", 2, 1), ("buckle", 1, 1), ("buckle", 2, 2), ("pearl", 1, 0)])
@@ -84,7 +83,7 @@ def test_a_coil_varied_in_c0_and_length_is_that_of_the_other_tube(coils, tmp_pat
     longer = varied(moved, -1, "L", branch_options({"L": 11.0}))
     assert moved.complete
     assert longer.complete
-    expected = tube_branch(0.3, 11, "coil", (1, 1), branch_options({"v": 0.9})).points[-1]
+    expected = family_branch(Tube(0.3, 11), "coil", (1, 1), branch_options({"v": 0.9})).points[-1]
     found = longer.points[-1]
     for name in NAMES:
         assert found.observables[name] == pytest.approx(expected.observables[name], abs=1e-8)
@@ -92,10 +91,10 @@ def test_a_coil_varied_in_c0_and_length_is_that_of_the_other_tube(coils, tmp_pat
     assert found.spectrum.mu_crit == pytest.approx(expected.spectrum.mu_crit, abs=1e-7)
     # Saved and loaded it is the same problem.
     save(longer, tmp_path / "l.h5")
-    again = load(tmp_path / "l.h5").points[-1].point
+    again = load(tmp_path / "l.h5").points[-1]
     assert again.problem.free == ("lambda1", "lambda2", "length")
-    np.testing.assert_array_equal(again.problem.residual(again.u), found.point.problem.residual(found.point.u))
-    tree = coils.points[-1].point.problem.to_tree()
+    np.testing.assert_array_equal(again.problem.residual(again.u), found.problem.residual(found.u))
+    tree = coils.points[-1].problem.to_tree()
     with pytest.raises(ValueError, match="^free: "):
         TubeProblem.from_tree(tree | {"free": "v,lambda1,lambda2"})
 
@@ -104,7 +103,7 @@ def test_a_coil_varied_at_fixed_pressure_keeps_it(coils):
     moved = varied(coils, -1, "c0", branch_options({"c0": 0.46}), keep="lambda2", upwards=False)
     lambda2 = coils.points[-1].observables["lambda2"]
     np.testing.assert_array_equal(moved.table().lambda2, lambda2)
-    there = tube_branch(0.46, 10, "coil", (1, 1), branch_options({"lambda2": lambda2})).points[-1].observables
+    there = family_branch(Tube(0.46, 10), "coil", (1, 1), branch_options({"lambda2": lambda2})).points[-1].observables
     for name in NAMES:
         assert moved.points[-1].observables[name] == pytest.approx(there[name], abs=1e-8)
 
@@ -114,7 +113,7 @@ def test_the_coils_branch_point_followed_in_c0_is_that_of_the_other_branch(coils
     options = branch_options({"c0": 0.43}, step=0.05, max_step=0.2)
     curve = followed(coils, "bp", 1, "c0", options, upwards=False)
     assert curve.complete
-    there = tube_branch(0.43, 10, "coil", (1, 1), branch_options({"v": 0.92}))
+    there = family_branch(Tube(0.43, 10), "coil", (1, 1), branch_options({"v": 0.92}))
     expected = there.at(there.find("bp")[0]).observables
     for name in NAMES:
         assert curve.points[-1].observables[name] == pytest.approx(expected[name], abs=1e-7)
@@ -133,7 +132,7 @@ def test_coils_and_buckles_exchange_stability_where_theory_says(coils, vary, upw
         assert expected == pytest.approx(13.025, abs=5e-4)
     else:
         expected = brentq(lambda c0: exchange_lengths(c0)[1] - 10, 0.34, 0.4)
-    squares = [entry.point.problem.base.straightness(entry.point.u) ** 2 for entry in curve.points[-2:]]
+    squares = [entry.problem.base.signed_amplitude(entry.u) ** 2 for entry in curve.points[-2:]]
     values = [entry.observables[vary] for entry in curve.points[-2:]]
     assert squares[1] < 1.5 * STRAIGHT_WAVE**2
     found = values[1] - squares[1] * (values[1] - values[0]) / (squares[1] - squares[0])
@@ -146,7 +145,7 @@ def test_the_buckles_fold_followed_in_length_is_that_of_the_other_branch(buckles
     assert fold["v"] == pytest.approx(0.979822, abs=1e-5)
     curve = followed(buckles, "fold:lambda2", 1, "L", branch_options({"L": 11.0}, step=0.1, max_step=0.4))
     assert curve.complete
-    there = tube_branch(0.48, 11, "buckle", (1, 1), branch_options({"v": 0.987}, max_step=0.1))
+    there = family_branch(Tube(0.48, 11), "buckle", (1, 1), branch_options({"v": 0.987}, max_step=0.1))
     expected = there.at(there.find("fold:lambda2")[0]).observables
     found = curve.points[-1].observables
     for name in ("lambda1", "lambda2", "E", "v"):  # lambda2 is stationary there, v is where differences of it vanish
@@ -155,34 +154,34 @@ def test_the_buckles_fold_followed_in_length_is_that_of_the_other_branch(buckles
 
 def test_a_mixed_tube_varies(coils):
     """What joins coils and buckles, moved to c0 = 0.479: a point of what branches off the coils there."""
-    between = tube_switched(coils, 1, branch_options({"v": 0.907}))
+    between = switched(coils, 1, branch_options({"v": 0.907}))
     moved = varied(between, -1, "c0", branch_options({"c0": 0.479}), upwards=False)
     assert moved.complete
-    here = tube_branch(0.479, 10, "coil", (1, 1), branch_options({"v": 0.9}, max_step=0.3))
-    expected = tube_switched(here, 1, branch_options({"v": 0.907})).points[-1].observables
+    here = family_branch(Tube(0.479, 10), "coil", (1, 1), branch_options({"v": 0.9}, max_step=0.3))
+    expected = switched(here, 1, branch_options({"v": 0.907})).points[-1].observables
     for name in NAMES:
         assert moved.points[-1].observables[name] == pytest.approx(expected[name], abs=1e-8)
 
 
 def test_what_perturbations_keep_and_the_branch_does_not(coils):
-    point = coils.points[-1].point
+    point = coils.points[-1]
     for free, expected in (
         (("lambda1", "lambda2", "v"), "v"),
         (("lambda1", "lambda2", "c0"), "c0"),
         (("lambda1", "length", "lambda2"), "L"),
         (("lambda1", "v", "c0"), ""),
     ):
-        problem, _ = point.problem.released(point.u, *free)
+        problem, _ = point.problem.freeing(point.u, *free)
         assert problem.conserved == expected
         assert replace(problem, fixed="area").conserved == {"v": "lambda2", "c0": "", "L": "", "": "c0"}[expected]
     with pytest.raises(ValueError, match="^free: "):
-        point.problem.released(point.u, "volume")
+        point.problem.freeing(point.u, "volume")
     with pytest.raises(ValueError, match="^second: "):
         point.problem.with_second("lambda2", point.u, point.tangent)
 
 
 def test_rings_are_refused():
-    ring = ring_branch(-1.0, 10, 2, branch_options({"v": 0.99}))
+    ring = family_branch(Tube(-1.0, 10), "ring", (0, 2), branch_options({"v": 0.99}))
     for study in (
         lambda: varied(ring, -1, "c0", branch_options()),
         lambda: followed(ring, "bp", 1, "L", branch_options()),

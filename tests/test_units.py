@@ -13,6 +13,7 @@ from commands import run
 
 from pearlbvp.errors import InputError
 from pearlbvp.figures import canvas
+from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.files import read_mesh
 from pearlbvp.studies.saved import load
 from pearlbvp.units import QUANTITIES, Sentence, Units
@@ -114,11 +115,11 @@ def check_axes(axes, x, y):
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     """Two pearls, followed and saved in radii."""
-    from pearlbvp.studies.branch import branch_options, pearl_branch
+    from pearlbvp.studies.branch import branch_options, family_branch
     from pearlbvp.studies.saved import save
 
     path = tmp_path_factory.mktemp("units") / "b.h5"
-    save(pearl_branch(0.48, 15, 2, branch_options(max_points=5)), path)
+    save(family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options(max_points=5)), path)
     return path
 
 

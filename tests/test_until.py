@@ -8,12 +8,12 @@ import pytest
 from commands import run
 
 from pearlbvp.errors import InputError
-from pearlbvp.studies.branch import branch_options, followed, pearl_branch, shape_branch, varied
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.localized import localized_pearls
-from pearlbvp.studies.mesh import mesh_branch
-from pearlbvp.studies.ring import ring_branch
-from pearlbvp.studies.saved import load, resumed, save, switched
-from pearlbvp.studies.tube import tube_branch
+from pearlbvp.studies.onward import followed, resumed, switched, varied
+from pearlbvp.studies.saved import load, save
+from pearlbvp.studies.shape import shape_branch
 
 
 def table_of(out):
@@ -22,10 +22,10 @@ def table_of(out):
 
 def of_family(family, options):
     return {
-        "pearl": lambda: pearl_branch(0.48, 30, 4, options),
-        "ring": lambda: ring_branch(-1.0, 10, 2, options),
-        "coil": lambda: tube_branch(0.48, 10, "coil", (1, 1), options),
-        "mesh": lambda: mesh_branch(0.48, 15, "pearl", (2, 0), 180, options),
+        "pearl": lambda: family_branch(Tube(0.48, 30), "pearl", (4, 0), options),
+        "ring": lambda: family_branch(Tube(-1.0, 10), "ring", (0, 2), options),
+        "coil": lambda: family_branch(Tube(0.48, 10), "coil", (1, 1), options),
+        "mesh": lambda: family_branch(Tube(0.48, 15), "pearl", (2, 0), options, nodes=180),
     }[family]()
 
 
@@ -37,19 +37,19 @@ def test_a_branch_stops_at_its_first_branch_point(family):
     assert branch.kinds(len(branch.points) - 1) in (["bp", "stop"], ["bp", "bp", "stop"])
     assert len(branch.find("bp")) == branch.kinds(len(branch.points) - 1).count("bp")
     neutral = branch.find("bp")[0].block
-    rates = last.point.problem.block_rates(last.point.u, neutral, last.spectrum)
+    rates = last.problem.block_rates(last.u, neutral, last.spectrum)
     assert np.abs(rates).min() < 1e-8
     other = of_family(family, branch_options({"bp": 1}, step=0.05, max_step=0.21))
     assert other.points[-1].observables["v"] == pytest.approx(last.observables["v"], abs=1e-9)
 
 
 def test_the_first_branch_point_of_pearls_is_that_of_localized_pearls():
-    branch = pearl_branch(0.48, 30, 4, branch_options({"bp": 1}))
+    branch = family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"bp": 1}))
     assert branch.points[-1].observables["v"] == pytest.approx(localized_pearls(0.48, 7.5, 30).v.iloc[0], abs=1e-10)
 
 
 def test_the_second_fold_is_the_least_volume_behind_the_first():
-    branch = pearl_branch(0.75, 10, 1, branch_options({"fold:v": 2}))
+    branch = family_branch(Tube(0.75, 10), "pearl", (1, 0), branch_options({"fold:v": 2}))
     folds = [special.index for special in branch.find("fold:v")]
     assert folds[1] == len(branch.points) - 1
     volumes = np.array([entry.observables["v"] for entry in branch.points])
@@ -63,25 +63,25 @@ def test_the_second_fold_is_the_least_volume_behind_the_first():
 
 
 def test_any_column_s_fold_is_one_and_a_value_that_comes_first_counts():
-    plain = pearl_branch(0.75, 10, 1, branch_options({"fold": 1}))
+    plain = family_branch(Tube(0.75, 10), "pearl", (1, 0), branch_options({"fold": 1}))
     assert plain.kinds(len(plain.points) - 1) == ["fold:E", "stop"]
-    widest = tube_branch(0.48, 10, "coil", (1, 1), branch_options({"fold:r_min": 1, "v": 0.95}))
+    widest = family_branch(Tube(0.48, 10), "coil", (1, 1), branch_options({"fold:r_min": 1, "v": 0.95}))
     assert widest.kinds(len(widest.points) - 1) == ["stop"]
     assert widest.points[-1].observables["v"] == pytest.approx(0.95, abs=1e-12)
 
 
 def test_pearls_stop_at_constant_mean_curvature():
-    branch = pearl_branch(0.75, 10, 2, branch_options({"cmc": 1}, max_points=70))
+    branch = family_branch(Tube(0.75, 10), "pearl", (2, 0), branch_options({"cmc": 1}, max_points=70))
     last = branch.points[-1]
     assert branch.kinds(len(branch.points) - 1) == ["cmc", "stop"]
-    assert np.ptp(last.point.problem.profile(last.point.u).states.values[:, 2]) < 1e-10
+    assert np.ptp(last.problem.profile(last.u).states.values[:, 2]) < 1e-10
 
 
 def test_a_resumed_branch_goes_on_to_the_next_special_point(tmp_path):
-    first = pearl_branch(0.48, 30, 4, branch_options({"bp": 1}))
+    first = family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"bp": 1}))
     save(first, tmp_path / "b.h5")
     second = resumed(load(tmp_path / "b.h5"), branch_options({"bp": 1}))
-    at_once = pearl_branch(0.48, 30, 4, branch_options({"bp": 2}))
+    at_once = family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"bp": 2}))
     assert [branch.points[-1].observables["v"] for branch in (second, at_once)] == pytest.approx(
         [at_once.points[-1].observables["v"]] * 2, abs=1e-10
     )
@@ -90,16 +90,16 @@ def test_a_resumed_branch_goes_on_to_the_next_special_point(tmp_path):
 
 
 def test_varied_and_followed_curves_stop_at_special_points():
-    folds = pearl_branch(0.75, 10, 1, branch_options({"fold:v": 1}))
+    folds = family_branch(Tube(0.75, 10), "pearl", (1, 0), branch_options({"fold:v": 1}))
     curve = followed(folds, "fold:v", 1, "c0", branch_options({"fold:v": 1, "c0": 0.55}, max_step=0.2), upwards=False)
     assert curve.complete
-    coils = tube_branch(0.48, 10, "coil", (1, 1), branch_options({"v": 0.88}))
+    coils = family_branch(Tube(0.48, 10), "coil", (1, 1), branch_options({"v": 0.88}))
     by_c0 = varied(coils, -1, "c0", branch_options({"bp": 1, "c0": 0.7}))
     assert by_c0.kinds(len(by_c0.points) - 1) == ["bp", "stop"]
     last = by_c0.points[-1]
     assert last.observables["v"] == pytest.approx(0.88, abs=1e-12)
     # Where the coil at fixed v loses stability while c0 grows, the coil at that c0 does while v varies.
-    again = tube_branch(last.observables["c0"], 10, "coil", (1, 1), branch_options({"bp": 1, "v": 0.8}))
+    again = family_branch(Tube(last.observables["c0"], 10), "coil", (1, 1), branch_options({"bp": 1, "v": 0.8}))
     assert again.points[-1].observables["v"] == pytest.approx(0.88, abs=1e-6)
 
 
@@ -114,23 +114,25 @@ def test_special_points_are_counted_from_one(value):
 def test_the_straight_tube_s_own_values_are_reached_at_once(family, wanted):
     options = branch_options(dict([wanted]))
     if family == "pearl":
-        branch = pearl_branch(0.48, 30, 4, options)
+        branch = family_branch(Tube(0.48, 30), "pearl", (4, 0), options)
     elif family == "ring":
-        branch = ring_branch(-1.0, 10, 3, options)
+        branch = family_branch(Tube(-1.0, 10), "ring", (0, 3), options)
     else:
-        branch = tube_branch(-0.4, 12, family, (1, 1), options)
+        branch = family_branch(Tube(-0.4, 12), family, (1, 1), options, discretization="modes")
     assert (len(branch.points), branch.complete, branch.kinds(0)) == (1, True, ["start", "stop"])
 
 
 @pytest.mark.parametrize("kind", ["subdivision", "cotangent"])
 @pytest.mark.parametrize("wanted", [("v", 1.0), ("E", 0.25)])
 def test_a_mesh_of_the_straight_tube_has_its_values_to_the_mesh_s_accuracy(kind, wanted):
-    branch = mesh_branch(0.0, 10, "coil", (1, 1), 200, branch_options(dict([wanted])), kind=kind)
+    branch = family_branch(
+        Tube(0.0, 10), "coil", (1, 1), branch_options(dict([wanted])), nodes=200, discretization=kind
+    )
     assert (len(branch.points), branch.complete) == (1, True)
 
 
 def test_whatever_a_branch_starts_from_has_its_own_values(tmp_path):
-    pearls = pearl_branch(0.48, 30, 4, branch_options({"v": 1.01}))
+    pearls = family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"v": 1.01}))
     rounded = float(f"{pearls.points[-1].observables['E']:.12g}")  # as a table has it
     assert len(resumed(pearls, branch_options({"E": rounded})).points) == len(pearls.points)
     again = resumed(pearls, branch_options({"v": 1.01}))
@@ -145,9 +147,9 @@ def test_whatever_a_branch_starts_from_has_its_own_values(tmp_path):
 
 
 def test_a_branch_that_stopped_at_its_start_goes_on_from_there():
-    start = pearl_branch(0.48, 30, 4, branch_options({"v": 1.0}))
+    start = family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"v": 1.0}))
     whole = resumed(start, branch_options({"v": 1.005}))
-    direct = pearl_branch(0.48, 30, 4, branch_options({"v": 1.005}))
+    direct = family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"v": 1.005}))
     assert whole.complete
     assert whole.points[-1].observables["E"] == pytest.approx(direct.points[-1].observables["E"], abs=1e-12)
     assert whole.find("bp") == direct.find("bp") == []

@@ -37,7 +37,6 @@ from pearlbvp.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pearlbvp.helfrich import Tube
     from pearlbvp.units import Units
 
 
@@ -143,13 +142,13 @@ def branch(
     step: float | None,
     max_step: float,
     nodes: int | None,
-    discretization: str,
+    discretization: Any,
     tolerance: float | None,
     pressure: bool,
     save: Path | None,
     resume: Path | None,
     switch: int | None,
-    centre: str,
+    centre: Any,
     vary: str | None,
     follow: tuple[str, int] | None,
     keep: str,
@@ -214,19 +213,18 @@ def branch(
     unused = sorted(given & {"mode", "tolerance", "pressure", "nodes"})
     if resume is not None and unused:
         raise InputError(f"--{unused[0]}: the saved branch has its own; leave it out")
-    mode = mode or MODES[family]
+
     if family != "pearl":
         unused = sorted(given & PEARLS_ONLY)
         if unused:
             raise InputError(f"--{unused[0]}: it is for pearls only; leave it out with {family}")
-    elif mode[1] != 0:
-        raise InputError(f"--mode: pearls have n = 0, so {mode[0]},{mode[1]} is none of them; give {max(mode[0], 1)},0")
     from pearlbvp.progress import progress as progress_bar
 
     with progress_bar("point") as bar:
-        from pearlbvp.continuation.branch import MOVED_AWAY
+        from pearlbvp.continuation.following import MOVED_AWAY
         from pearlbvp.studies import branch as study
-        from pearlbvp.studies import saved
+        from pearlbvp.studies import onward, saved
+        from pearlbvp.studies.shape import shape_branch
 
         known = None if resume is None else saved.load(resume)
         if known is not None:
@@ -246,21 +244,24 @@ def branch(
             tube = units.tube(c0, length)  # type: ignore[arg-type]
             if shape is not None:
                 waves = [units.from_user("shape", amplitude) for amplitude in shape]
-                found = study.shape_branch(
+                found = shape_branch(
                     tube.c0, tube.length, volume or 0, waves, options, cells=cells, fixed=fixed, **accuracy
                 )
-            elif nodes is not None:
-                found = _on_a_mesh(family, tube, mode, options, nodes, kind=discretization, fixed=fixed)
             else:
-                found = _from_the_cylinder(family, tube, mode, options, fixed, accuracy)
+                if nodes is not None:
+                    check_meshable(tube.length)
+                found = study.family_branch(
+                    tube, family, mode, options, nodes=nodes, discretization=None if nodes is None else discretization,
+                    fixed=fixed, tolerance=tolerance,
+                )  # fmt: skip
         elif vary is not None and follow is not None:
-            found = study.followed(known, *follow, vary, options, upwards=not down)
+            found = onward.followed(known, *follow, vary, options, upwards=not down)
         elif vary is not None:
-            found = study.varied(known, point, vary, options, keep=keep, upwards=not down)
+            found = onward.varied(known, point, vary, options, keep=keep, upwards=not down)
         elif switch is not None:
-            found = saved.switched(known, switch, options, centre=centre, grow=not shrink)
+            found = onward.switched(known, switch, options, centre=centre, grow=not shrink)
         else:
-            found = saved.resumed(known, options)
+            found = onward.resumed(known, options)
     table = units.columns(found.table()[study.COLUMNS])
     saves = [] if save is None else [lambda: saved.save(found, save)]
 
@@ -288,40 +289,6 @@ PEARLS_ONLY = {"shape", "volume", "centre"}
 
 NOT_OF_MESHES = {"shape", "volume", "cells", "vary", "tolerance"}
 """Options that branches on meshes do not have."""
-
-
-def _on_a_mesh(family: Any, tube: Tube, mode: tuple[int, int], options: Any, nodes: int, **how: Any) -> Any:
-    """The branch of a family that leaves the straight tube at a mode, on a triangulated tube."""
-    from pearlbvp.studies.mesh import mesh_branch
-
-    check_meshable(tube.length)
-    return mesh_branch(tube.c0, tube.length, family, mode, nodes, options, **how)
-
-
-def _from_the_cylinder(
-    family: str, tube: Tube, mode: tuple[int, int], options: Any, fixed: Any, accuracy: dict[str, float]
-) -> Any:
-    """The branch of a family that leaves the straight tube at a mode."""
-    if family == "pearl":
-        from pearlbvp.studies.branch import pearl_branch
-
-        return pearl_branch(tube.c0, tube.length, mode[0], options, fixed=fixed, **accuracy)
-    if family == "ring":
-        from pearlbvp.studies.ring import ring_branch
-
-        if mode[0] != 0:
-            raise InputError(
-                f"--mode: rings do not depend on x, so {mode[0]},{mode[1]} is none of them; give 0,{mode[1]}"
-            )
-        return ring_branch(tube.c0, tube.length, mode[1], options, fixed=fixed, **accuracy)
-    if accuracy:
-        raise InputError(f"--tolerance: it is for pearls and rings; leave it out with {family}")
-    from pearlbvp.studies.tube import tube_branch
-
-    try:
-        return tube_branch(tube.c0, tube.length, family, mode, options, fixed=fixed)  # type: ignore[arg-type]
-    except InputError as error:  # what the study calls a family is the command's own name: the mode is to be changed
-        raise InputError(str(error).replace("family:", "--mode:", 1)) from None
 
 
 def _check_kind(family: str, kind: str, given: set[str]) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number
-from pearlbvp.commands.branch import MODES, given_options
+from pearlbvp.commands.branch import given_options
 from pearlbvp.commands.command import Command, of_this_command
 from pearlbvp.commands.output import (
     DONE,
@@ -295,13 +295,11 @@ def _start(
     units: Units,
 ) -> tuple[Any, Any]:  # fmt: skip
     """Problem and coordinates of the start."""
-    from pearlbvp.helfrich import finite
-    from pearlbvp.studies import branch as branches
+    from pearlbvp.helfrich import Tube, finite
+    from pearlbvp.studies.branch import branch_options, family_branch
     from pearlbvp.studies.flow_start import mesh_start, pearl_start, pearl_tube_start, profile_start, tube_start
     from pearlbvp.studies.mesh import NODES
     from pearlbvp.studies.point import chosen, sample
-    from pearlbvp.studies.ring import reduced
-    from pearlbvp.studies.tube import tube_branch
     from pearlbvp.units import Sentence
 
     if profile is not None or mesh is not None:
@@ -327,15 +325,10 @@ def _start(
                 "pearlbvp branch --save for --from and --point 0"
             )
         try:
-            options = branches.branch_options(stop)
+            options = branch_options(stop)
         except InputError as error:
             raise InputError(str(error).replace("until:", "point:", 1)) from None
-        m, n = mode or MODES[family]
-        branch = (
-            branches.pearl_branch(c0, length, m, options)
-            if family == "pearl"
-            else tube_branch(c0, length, family, (m, n), options)  # type: ignore[arg-type]
-        )
+        branch = family_branch(Tube(c0, length), family, mode, options)
         if not branch.complete:
             (wanted, number), *_ = stop.items()
             place = Sentence(f"--point: {wanted} = {{{wanted}:.9g}} is not reached (", **{wanted: number})
@@ -343,10 +336,10 @@ def _start(
             raise InputError(Sentence.joined(place, branch.reason, advice))
         point = "-1"
     at = chosen(branch, point, family)
-    if nodes is not None or at.problem.stored_as == "mesh":
+    if nodes is not None or at.problem.own_mesh(at.u) is not None:
         start = mesh_start(at, NODES if nodes is None else nodes, kind=discretization, law=law)
     elif family != "pearl":
-        problem, u = reduced(at)[:2] if at.problem.stored_as == "ring" else (at.problem, at.u)
+        problem, u = at.problem.in_modes(at.u, at.tangent)[:2]
         start = tube_start(problem, u, size=size, law=law)
     elif tube:
         start = pearl_tube_start(at.problem, at.u, size=size, law=law)

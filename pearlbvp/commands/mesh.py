@@ -93,7 +93,7 @@ def mesh(
             branch = saved.load(source, "--from")
             at = chosen(branch, units.place_from_user(point), saved.family_of(branch))
             own = sorted(given & {"nodes", "discretization"})
-            if own and at.problem.stored_as == "mesh":
+            if own and at.problem.own_mesh(at.u) is not None:
                 raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
             surface, table = _of_a_point(at, nodes, discretization, solve, bar)
             title = f"v = {at.observables['v']:.4f}, L = {units.to_user('L', at.observables['L']):g}"
@@ -146,7 +146,7 @@ def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool, bar: Any) -> tuple[
     from pearlbvp.studies.mesh import equilibrium_table, mesh_table, meshed, shape_mesh
 
     if not solve:
-        own = at.problem.stored_as == "mesh"
+        own = at.problem.own_mesh(at.u) is not None
         surface = shape_mesh(at, nodes)
         return surface, mesh_table(surface, at.observables["c0"], at.problem.kind if own else kind)
     bar.set_description("equilibrium")

@@ -129,7 +129,6 @@ def _branch(
     units: Units,
 ) -> int:
     """Show a saved branch."""
-    from pearlbvp.continuation.description import described
     from pearlbvp.studies import export, saved
     from pearlbvp.studies.branch import COLUMNS
 
@@ -139,7 +138,7 @@ def _branch(
     note = ""
     if profile is not None or surface is not None:
         index, note = export.stored(branch, units.place_from_user(point))
-        at = branch.points[index].point
+        at = branch.points[index]
         if profile is not None:
             rows = units.columns(export.profile_table(at, samples))
             others.append(lambda: write_table("--profile", profile, rows))
@@ -154,7 +153,7 @@ def _branch(
     status = write(table, out, plot, draw, others)
     if note:
         print(f"pearlbvp: {units.said(note)}", file=sys.stderr)
-    print(described(branch, units), file=sys.stderr)
+    print(branch.described(units.said, units.to_user), file=sys.stderr)
     return status
 
 

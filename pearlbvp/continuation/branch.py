@@ -1,61 +1,25 @@
-"""Branches: a path with its special points located and its stability known at every point.
-
-Folds are turning points of named observables. Branch points are found by the number of positive growth rates in each
-symmetry block, never by a determinant: every rate that changes its sign in a step is located for itself, so several in
-one step are all found.
-"""
+"""Branches: solutions along a path, and what happens on it."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Generic, Protocol
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Generic
 
-import numpy as np
-
-from pearlbvp.arrays import Array
-from pearlbvp.continuation.description import described, described_point
-from pearlbvp.continuation.events import Event, events_between, first_wanted, has_value, value_of
-from pearlbvp.continuation.path import P, Path, PathEnd, PathOptions, Point, steps
-from pearlbvp.continuation.problem import Problem
-from pearlbvp.continuation.segment import Segment
-from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.errors import SpectrumError, interrupted
+from pearlbvp.continuation.problem import P
+from pearlbvp.continuation.solution import Solution
+from pearlbvp.representation import span
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-class StableProblem(Problem, Protocol):
-    """A problem that knows the stability of its solutions."""
-
-    @property
-    def own_block(self) -> Hashable:
-        """The block of perturbations that keep the symmetry of the problem's solutions."""
-
-    @property
-    def conserved(self) -> str:
-        """The one observable that perturbations keep and the branch does not; empty where there are none or several.
-
-        Where it turns, a growth rate of ``own_block`` changes its sign, and nowhere else on a smooth branch.
-        """
-
-    def wave(self, u: Array) -> float:
-        """``2 A`` of the largest wave over the straight tube (``projection``)."""
-
-    def poles(self, u: Array) -> Mapping[str, float]:
-        """Named functions at whose zeros growth rates pass through infinity; those that are regular there."""
-
-    def spectrum(self, u: Array) -> Spectrum:
-        """Growth rates in all symmetry blocks."""
-
-    def block_rates(self, u: Array, block: Any, like: Any) -> Array:
-        """Growth rates in one block, largest first, resolved as in another spectrum."""
+MOST_SPECIAL = 14
+"""Special points that are named one by one where a branch is described."""
 
 
 @dataclass(frozen=True)
-class SpecialPoint(Generic[P]):
+class SpecialPoint:
     """A point of a branch at which something happens.
 
     Attributes:
@@ -76,22 +40,6 @@ class SpecialPoint(Generic[P]):
 
 
 @dataclass(frozen=True)
-class BranchPoint(Generic[P]):
-    """A point with its spectrum."""
-
-    point: Point[P]
-    spectrum: Spectrum
-
-    def __repr__(self) -> str:
-        return f"BranchPoint({described_point(self)})"
-
-    @property
-    def observables(self) -> dict[str, float]:
-        """Named numbers of the solution."""
-        return self.point.observables
-
-
-@dataclass(frozen=True)
 class Branch(Generic[P]):
     """A branch of solutions with its special points.
 
@@ -102,31 +50,55 @@ class Branch(Generic[P]):
         complete: whether it ends where it was asked to.
     """
 
-    points: list[BranchPoint[P]]
-    special: list[SpecialPoint[P]]
+    points: list[Solution[P]]
+    special: list[SpecialPoint]
     reason: str
     complete: bool
 
     def __repr__(self) -> str:
-        return described(self)
+        return self.described()
+
+    def described(self, said: Callable[[str], str] = str, in_units: Callable[[str, float], float] | None = None) -> str:
+        """What it is of, where it leads, what happens on it, why it ends: a few lines.
+
+        Args:
+            said: puts a sentence into a user's units.
+            in_units: the same of a number, by its name.
+        """
+        problem, count = self.points[-1].problem, len(self.points)
+        names, converted = problem.headline, in_units or (lambda _, value: value)
+        words = [f"{problem.family} branch", f"{count} point{'s' if count > 1 else ''}"]
+        words += [f"{name} = {span([converted(name, p.observables[name]) for p in self.points])}" for name in names]
+        within = [special for special in self.special if special.kind not in ("start", "stop", "end")]
+        lines = [", ".join(words), *(f"  {self._said_of(special)}" for special in within[:MOST_SPECIAL])]
+        if len(within) > MOST_SPECIAL:
+            lines.append(f"  and {len(within) - MOST_SPECIAL} more special points")
+        return "\n".join([*lines, f"  end: {said(self.reason)}"])
+
+    def _said_of(self, special: SpecialPoint) -> str:
+        words, solution = [f"point {special.index}: {special.kind}"], self.at(special)
+        words += [f"{name} = {solution.observables[name]:.8g}" for name in solution.problem.headline[-1:]]
+        words += [str(special.block)] if special.block is not None else []
+        words += [f"{special.change:+d} unstable"] if special.change else []
+        return ", ".join(words if special.converged else [*words, "not located"])
 
     def kinds(self, index: int) -> list[str]:
         """All that is special at a point."""
         return [special.kind for special in self.special if special.index == index]
 
-    def find(self, kind: str) -> list[SpecialPoint[P]]:
+    def find(self, kind: str) -> list[SpecialPoint]:
         """The special points of a kind, in order; ``fold`` finds all folds."""
-        return [special for special in self.special if _is_of_kind(special.kind, kind)]
+        return [special for special in self.special if is_of_kind(special.kind, kind)]
 
-    def at(self, special: SpecialPoint[P]) -> BranchPoint[P]:
+    def at(self, special: SpecialPoint) -> Solution[P]:
         """The point of a special point."""
         return self.points[special.index]
 
     def table(self) -> pd.DataFrame:
-        """A row a point: ``point, special``, the observables, ``n_unstable, mu_crit, critical, mu_error, wave``.
+        """A row a point: ``point, special``, the observables, ``n_unstable, mu_crit, critical, mu_error``, further numbers.
 
         ``n_unstable`` is empty where more waves grow than were counted; ``mu_error`` is the error of growth rates, as the
-        exact kernels show it; ``wave`` is ``2 A`` of the largest wave (``projection``), empty where the axis is not inside.
+        exact kernels show it.
         """
         import pandas as pd
 
@@ -137,9 +109,9 @@ class Branch(Generic[P]):
                 "mu_crit": entry.spectrum.mu_crit,
                 "critical": str(entry.spectrum.critical),
                 "mu_error": entry.spectrum.residual,
-                "wave": value_of(entry.point, "wave"),
             }
-            rows.append({"point": index, "special": ",".join(self.kinds(index))} | entry.observables | stability)
+            what = {"point": index, "special": ",".join(self.kinds(index))}
+            rows.append({**what, **entry.observables, **stability, **entry.further})
         return pd.DataFrame(rows).astype({"n_unstable": "Int64"})
 
     @property
@@ -154,17 +126,14 @@ class Branch(Generic[P]):
     def reversed(self) -> Branch[P]:
         """The branch from its last point to its first, tangents turned round. Where it ended, it starts: an ``end``."""
         last = len(self.points) - 1
-        points = [
-            BranchPoint(replace(entry.point, tangent=-entry.point.tangent), entry.spectrum)
-            for entry in self.points[::-1]
-        ]
+        points = [entry.turned() for entry in self.points[::-1]]
         special = [replace(s, index=last - s.index, change=-s.change) for s in self.special[::-1]]
         return Branch(points, special, self.reason, self.complete)
 
     def without_last(self) -> Branch[P]:
         """The branch without its last point, and what is special there but the end."""
         last = len(self.points) - 2
-        kept = [s for s in self.special if s.index <= last] + [SpecialPoint[P]("end", last)]
+        kept = [s for s in self.special if s.index <= last] + [SpecialPoint("end", last)]
         return Branch(self.points[:-1], kept, self.reason, self.complete)
 
     def extended(self, further: Branch[P]) -> Branch[P]:
@@ -175,212 +144,6 @@ class Branch(Generic[P]):
         return Branch(self.points + further.points[1:], kept + added, further.reason, further.complete)
 
 
-@dataclass(frozen=True)
-class BranchOptions:
-    """How a branch is followed.
-
-    Attributes:
-        path: steps and tolerances.
-        until: stop exactly where an observable, ``mu_crit`` or ``wave`` has a value.
-        until_special: stop at the special point of a number (the first is 1) of a kind, as ``Branch.find`` takes it, counted
-            from the start, which is none.
-        folds: observables whose turning points are located, besides those of ``until_special``.
-        limit: a reason to end at a point with its spectrum, or None.
-        progress: called with the branch so far after each step, to show or to save it.
-    """
-
-    path: PathOptions = field(default_factory=PathOptions)
-    until: Mapping[str, float] = field(default_factory=dict)
-    until_special: Mapping[str, int] = field(default_factory=dict)
-    folds: Sequence[str] = ("lambda1", "lambda2", "v", "E")
-    limit: Callable[[BranchPoint[Any]], str | None] = lambda point: None
-    progress: Callable[[Branch[Any]], None] = lambda branch: None
-
-    @property
-    def watched(self) -> Sequence[str]:
-        """Observables whose turning points are located."""
-        asked = (kind.partition(":")[2] for kind in self.until_special if kind.startswith("fold:"))
-        return tuple(dict.fromkeys((*self.folds, *asked)))
-
-
-def continue_branch(
-    start: Point[P],
-    options: BranchOptions,
-    *,
-    at_bifurcation: bool = False,
-    exact: Mapping[str, float] | None = None,
-) -> Branch[P]:
-    """Follow a branch from a solution along its tangent, with stability and special points.
-
-    Args:
-        start: the first point.
-        options: steps, stopping conditions, what to watch.
-        at_bifurcation: the start is a bifurcation point, and the tangent that of the branch wanted: its own neutral
-            growth rates and turning points are no events.
-        exact: values of the start that are known, where its own have the error of a discretization.
-
-    Returns:
-        The branch. It is whole up to its end whatever happens: a failing step is a ``reason``, an interruption too. Where
-        the start has a wanted value, it is the start alone.
-    """
-    points: list[BranchPoint[P]] = []
-    special: list[SpecialPoint[P]] = [SpecialPoint("start", 0)]
-
-    def end(reason: str, kind: str = "end", advice: str = "") -> Branch[P]:
-        if kind == "end" and reason != INTERRUPTED:
-            reason += "".join(f"; {name} {MOVED_AWAY}" for name in _left_behind(points, options.until)) or advice
-        points.extend([] if points else [BranchPoint(start, Spectrum.unknown())])
-        special.append(SpecialPoint(kind, len(points) - 1))
-        return Branch(points, special, reason, kind == "stop")
-
-    try:
-        points.append(_with_spectrum(start))
-        if any(has_value(points[0], name, value, exact or {}) for name, value in options.until.items()):
-            return end("the start has the wanted value", "stop")
-        path, tried = steps(start, options.path), math.inf
-        while True:
-            before, at_start = points[-1], at_bifurcation and len(points) == 1
-            point = next(path)
-            wanted = first_wanted(before, point, options.until)
-            if wanted is not None and not wanted.converged:
-                return end("a wanted value lies just ahead, but could not be reached; take shorter steps")
-            latest = _with_spectrum(point if wanted is None else wanted.point)
-            events = events_between(before, latest, options.watched, at_start)
-            length = _length(before.point, latest.point)
-            shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
-            doubtful = any(_is_doubtful(event, point.problem, options.until_special) for event in events)
-            if doubtful and shorter > 10 * options.path.min_step:
-                path, tried = steps(replace(before.point, step=shorter), options.path), shorter
-                continue
-            if doubtful or length > 4 * tried:  # beyond the place of doubt
-                tried = math.inf
-            new, found = _placed(events, len(points), length)
-            points += [*new, latest]
-            special += found
-            asked = _asked(special, options.until_special)
-            if asked is not None:
-                del points[asked.index + 1 :]
-                special = [s for s in special if s.index <= asked.index]
-            options.progress(Branch(points, special, "unfinished", False))
-            if asked is not None and asked.converged:
-                return end("the wanted special point is reached", "stop")
-            if asked is not None:
-                return end(f"the wanted {asked.kind} lies just before, but could not be located; take shorter steps")
-            if any(event.kind == "bp" and event.change == 0 for event in events):
-                del points[-1]
-                return end(
-                    "it meets a more symmetric branch at a pitchfork; beyond, it would repeat its own mirror images"
-                )
-            if wanted is not None:
-                return end("the wanted value is reached", "stop")
-            reason = options.limit(latest)
-            if reason is not None:
-                return end(reason)
-            if len(points) >= options.path.max_points:
-                advice = "; resume the branch or ask for more"
-                return end(f"max_points = {options.path.max_points} reached", advice=advice)
-    except (PathEnd, SpectrumError) as failure:
-        return end(str(failure))
-    except np.linalg.LinAlgError as error:
-        return end(f"a spectrum could not be computed ({error}); stop before, or take shorter steps")
-    except KeyboardInterrupt:
-        return end(INTERRUPTED)
-    except SystemError as error:  # what an interruption inside compiled code turns into
-        if not interrupted(error):
-            raise
-        return end(INTERRUPTED)
-
-
-INTERRUPTED = "interrupted"
-"""Reason of a branch that somebody stopped."""
-
-MOVED_AWAY = "moved away from its wanted value from the start on"
-
-
-def _left_behind(points: Sequence[BranchPoint[Any]], until: Mapping[str, float]) -> list[str]:
-    """Observables that are nowhere as near to their wanted values as at the first of several points."""
-    found = []
-    for name, value in until.items():
-        values = [value_of(e.point, name, e.spectrum) for e in points]
-        gaps = [abs(at - value) for at in values]
-        if len(gaps) > 1 and min(gaps[1:]) > gaps[0]:
-            found.append(name)
-    return found
-
-
-def _is_of_kind(kind: str, wanted: str) -> bool:
+def is_of_kind(kind: str, wanted: str) -> bool:
     """Whether a special point's kind is the wanted one; ``fold`` are all folds."""
     return kind == wanted or kind.split(":")[0] == wanted
-
-
-def _asked(special: Sequence[SpecialPoint[P]], until: Mapping[str, int]) -> SpecialPoint[P] | None:
-    """The first special point at which the branch was asked to stop, if it is among those so far."""
-    of_kinds = (
-        [s for s in special if _is_of_kind(s.kind, kind)][number - 1 : number] for kind, number in until.items()
-    )
-    return min((s for found in of_kinds for s in found), key=lambda s: s.index, default=None)
-
-
-def _is_doubtful(event: Event[Any], problem: Any, until: Mapping[str, int]) -> bool:
-    """Whether a shorter step is to show what an event is that was not located.
-
-    It may be of a kind that is asked for, or speak of a jump: stability to the solution's own kind changed, with no point
-    where it does.
-    """
-    asked = any(_is_of_kind(event.kind, kind) for kind in until)
-    return not event.converged and (asked or event.block == problem.own_block)
-
-
-def _length(first: Point[Any], last: Point[Any]) -> float:
-    """Arclength between two points, along the first one's tangent."""
-    return abs(Segment(first, last).length)
-
-
-def _placed(events: list[Event[P]], count: int, length: float) -> tuple[list[BranchPoint[P]], list[SpecialPoint[P]]]:
-    """Located events as points of a branch of ``count`` points, and as special points; one point for those at one place.
-
-    What was not located is attached to the computed point that comes after.
-    """
-    points: list[BranchPoint[P]] = []
-    reached = -math.inf
-    places = []
-    for event in events:
-        if event.converged and event.s - reached > SAME_PLACE:
-            points.append(_with_spectrum(event.point))
-            reached = event.s
-        places.append(count + len(points) - 1 if event.converged else None)
-    after = count + len(points)
-    special = [
-        SpecialPoint[P](
-            event.kind, after if place is None else place, event.block, event.change, event.converged, (0.0, length)
-        )
-        for event, place in zip(events, places, strict=True)
-    ]
-    return points, special
-
-
-def _with_spectrum(point: Point[P]) -> BranchPoint[P]:
-    problem: Any = point.problem
-    return BranchPoint(point, problem.spectrum(point.u))
-
-
-SAME_PLACE = 1e-6
-"""Special points nearer to each other than this in arclength are one (energy and volume turn together, say)."""
-
-
-def start_point(problem: P, u: Array, tangent: Array) -> Point[P]:
-    """A point to start from, its tangent made a unit vector."""
-    return Point(problem, u, tangent / math.sqrt(problem.inner(tangent, tangent)), problem.observables(u))
-
-
-__all__ = [
-    "Branch",
-    "BranchOptions",
-    "BranchPoint",
-    "Path",
-    "SpecialPoint",
-    "Spectrum",
-    "StableProblem",
-    "continue_branch",
-    "start_point",
-]

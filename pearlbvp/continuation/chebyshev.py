@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.interpolation import interpolate
-from pearlbvp.continuation.path import P, Point, correct
+from pearlbvp.continuation.path import correct
+from pearlbvp.continuation.problem import P
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.representation import brief
 
@@ -101,7 +103,7 @@ def _to_coefficients(degree: int) -> Array:
 
 
 def _resolve_piece(
-    points: Sequence[Point[P]], function: Function[P], tolerance: float, pitchfork: bool, max_degree: int
+    points: Sequence[Solution[P]], function: Function[P], tolerance: float, pitchfork: bool, max_degree: int
 ) -> tuple[Array, float, int]:
     """Chebyshev coefficients on one piece, what they leave unresolved, and the number of solutions computed.
 
@@ -110,13 +112,13 @@ def _resolve_piece(
     """
     first, last = points[0], points[-1]
     problem = last.problem
-    base, end = problem.adopt(first.problem, first.u), last.u
-    ahead = problem.adopt(first.problem, first.u + 1e-4 * first.tangent)
+    base, end = problem.transfer(first.problem, first.u), last.u
+    ahead = problem.transfer(first.problem, first.u + 1e-4 * first.tangent)
     direction = ahead - base if pitchfork else end - base
     direction = direction / math.sqrt(problem.inner(direction, direction))
     reach = problem.inner(direction, end - base)
     options = NewtonOptions(max_iterations=8)
-    known = {problem.inner(direction, v - base): v for v in (problem.adopt(p.problem, p.u) for p in points)}
+    known = {problem.inner(direction, v - base): v for v in (problem.transfer(p.problem, p.u) for p in points)}
     samples: dict[int, Array] = {}  # by position among the points of the largest degree
     degree = min(8, max_degree)
     while True:
@@ -145,7 +147,7 @@ def _resolve_piece(
 
 
 def resolve(
-    points: Sequence[Point[P]],
+    points: Sequence[Solution[P]],
     function: Function[P],
     *,
     tolerance: float = 1e-11,

@@ -9,24 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Generic
+from typing import Any, Generic
 
 import numpy as np
 
-from pearlbvp.continuation.path import P, PathEnd, Point
+from pearlbvp.continuation.path import PathEnd
+from pearlbvp.continuation.problem import P
 from pearlbvp.continuation.segment import Segment
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.representation import brief
-
-if TYPE_CHECKING:
-    from pearlbvp.continuation.branch import BranchPoint
-
-
-def slopes(point: Point[P], names: Sequence[str], eps: float = 1e-5) -> dict[str, float]:
-    """Derivatives of observables along the path's tangent, by central differences."""
-    ahead = point.problem.observables(point.u + eps * point.tangent)
-    behind = point.problem.observables(point.u - eps * point.tangent)
-    return {name: (ahead[name] - behind[name]) / (2 * eps) for name in names}
 
 
 @dataclass(frozen=True)
@@ -37,7 +29,7 @@ class Event(Generic[P]):
 
     s: float
     kind: str
-    point: Point[P]
+    point: Solution[P]
     block: Any = None
     change: int = 0
     converged: bool = True
@@ -53,7 +45,7 @@ DIFFERENCE = 1e-9
 def _located(
     segment: Segment[P],
     kind: str,
-    function: Callable[[Point[P]], float],
+    function: Callable[[Solution[P]], float],
     ends: tuple[float, float],
     tolerance: float = EIGENVALUE,
     noise: float = 0.0,
@@ -81,29 +73,16 @@ def _crossing_rates(before: Spectrum, after: Spectrum, neutral: float) -> list[t
     return sorted(found, key=lambda crossing: (str(crossing[0]), crossing[1]))
 
 
-def _is_symmetric(turn: Event[Any], last: BranchPoint[Any]) -> bool:
+def _is_symmetric(turn: Event[Any], last: Solution[Any]) -> bool:
     """Whether a growth rate of the solution's own block touches zero at a turning point."""
-    problem: Any = turn.point.problem
-    if problem.own_block not in last.spectrum.rates:
+    problem = turn.point.problem
+    if problem.trivial_block not in last.spectrum.rates:
         return False
-    rates = problem.block_rates(turn.point.u, problem.own_block, last.spectrum)
+    rates = problem.block_rates(turn.point.u, problem.trivial_block, last.spectrum)
     return bool(np.abs(rates).min() < 1e-6)
 
 
-def value_of(point: Point[Any], name: str, spectrum: Spectrum | None = None) -> float:
-    """A number by which a branch can be asked to stop: an observable, ``mu_crit``, or ``wave``, which no step needs.
-
-    Args:
-        point: a solution.
-        name: of the number.
-        spectrum: the solution's, where it is known already.
-    """
-    if name == "mu_crit":
-        return float((spectrum or point.problem.spectrum(point.u)).mu_crit)
-    return float(point.problem.wave(point.u) if name == "wave" else point.observables[name])
-
-
-def has_value(entry: BranchPoint[P], name: str, value: float, exact: Mapping[str, float]) -> bool:
+def has_value(entry: Solution[P], name: str, value: float, exact: Mapping[str, float]) -> bool:
     """Whether a solution has a value to within its accuracy: growth rates have their own, all others that of tables.
 
     Args:
@@ -114,7 +93,7 @@ def has_value(entry: BranchPoint[P], name: str, value: float, exact: Mapping[str
     accuracy = SAME_VALUE * (1 + abs(value))
     if name == "mu_crit":
         accuracy = max(accuracy, entry.spectrum.residual)
-    found = (value_of(entry.point, name, entry.spectrum), exact.get(name, math.inf))
+    found = (entry.value(name), exact.get(name, math.inf))
     return min(abs(number - value) for number in found) <= accuracy
 
 
@@ -122,16 +101,16 @@ SAME_VALUE = 1e-10
 """Difference, by one plus its size, at which two values are one: tables have twelve digits, Newton's method eleven or more."""
 
 
-def first_wanted(first: BranchPoint[P], last: Point[P], until: Mapping[str, float]) -> Event[P] | None:
+def first_wanted(first: Solution[P], last: Solution[P], until: Mapping[str, float]) -> Event[P] | None:
     """The first place between two points where a number has its wanted value."""
-    segment = Segment(first.point, last)
+    segment = Segment(first, last)
     stops = []
     for name, value in until.items():
 
-        def difference(point: Point[P], name: str = name, value: float = value) -> float:
-            return value_of(point, name) - value
+        def difference(point: Solution[P], name: str = name, value: float = value) -> float:
+            return point.value(name) - value
 
-        ends = difference(first.point), difference(last)
+        ends = difference(first), difference(last)
         if ends[0] != 0 and ends[0] * ends[1] <= 0:
             found = _located(segment, "stop", difference, ends, tolerance=1e-13)
             if not found.converged or abs(difference(found.point)) < 1e-3 * (1 + abs(value)):  # else it was a pole
@@ -139,51 +118,53 @@ def first_wanted(first: BranchPoint[P], last: Point[P], until: Mapping[str, floa
     return min(stops, key=lambda event: event.s, default=None)
 
 
-def _turning(behind: Mapping[str, float], ahead: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+def _turning(
+    behind: Mapping[str, float], ahead: Mapping[str, float], names: Sequence[str]
+) -> dict[str, tuple[float, float]]:
     """Slopes that change sign, at both ends."""
-    return {name: (behind[name], ahead[name]) for name in behind if behind[name] * ahead[name] < 0}
+    return {name: (behind[name], ahead[name]) for name in names if behind[name] * ahead[name] < 0}
 
 
 def _fold(segment: Segment[P], name: str, ends: tuple[float, float]) -> Event[P]:
     """The turning point of an observable."""
     noise = DIFFERENCE * max(map(abs, ends))
-    return _located(segment, f"fold:{name}", lambda p: slopes(p, [name])[name], ends, noise=noise)
+    return _located(segment, f"fold:{name}", lambda p: p.slopes[name], ends, noise=noise)
 
 
-def events_between(first: BranchPoint[P], last: BranchPoint[P], folds: Sequence[str], at_start: bool) -> list[Event[P]]:
+def events_between(first: Solution[P], last: Solution[P], folds: Sequence[str], at_start: bool) -> list[Event[P]]:
     """Folds and branch points between two consecutive points, in their order."""
-    segment = Segment(first.point, last.point)
+    segment = Segment(first, last)
     events: list[Event[P]] = []
-    problem: Any = first.point.problem
-    for name, before in problem.poles(first.point.u).items():
-        after = problem.poles(problem.adopt(last.point.problem, last.point.u))[name]
+    problem = first.problem
+    for name, before in problem.poles(first.u).items():
+        after = problem.poles(problem.transfer(last.problem, last.u))[name]
         if before * after < 0:
             # Growth rates change sign by way of infinity here: their signs tell of no branch points in this step.
             return [_located(segment, name, lambda p, n=name: p.problem.poles(p.u)[n], (before, after))]  # type: ignore[misc]
     # At a pitchfork every observable turns: its slope is that of the branch a little further on.
-    behind = segment.point(0.1 * segment.length) if at_start else first.point
+    behind = segment.point(0.1 * segment.length) if at_start else first
     crossings = _crossing_rates(first.spectrum, last.spectrum, 1e-6 if at_start else 0.0)
-    if any(block == problem.own_block for block, *_ in crossings):
+    if any(block == problem.trivial_block for block, *_ in crossings):
         segment.refine(segment.length / 2)
-    turns = _turning(slopes(behind, folds), slopes(last.point, folds))
+    turns = _turning(behind.slopes, last.slopes, folds)
     turn = None
     if problem.conserved in turns:
         turn = _fold(segment, problem.conserved, turns.pop(problem.conserved))
-        own = any(block == problem.own_block for block, *_ in crossings)
+        own = any(block == problem.trivial_block for block, *_ in crossings)
         if turn.converged and not own and _is_symmetric(turn, last):
             # What turns, turns without a change of stability: the branch passes through a more symmetric solution, and all
             # observables turn with it. It is a pitchfork, met from its side.
-            return [Event(turn.s, "bp", turn.point, block=problem.own_block)]
+            return [Event(turn.s, "bp", turn.point, block=problem.trivial_block)]
         events.append(turn)
     for name, ends in turns.items():
         known = (event.point for event in events if event.converged)
-        together = next((p for p in known if abs(slopes(p, [name])[name]) < 1e-7 * max(map(abs, ends))), None)
+        together = next((p for p in known if abs(p.slopes[name]) < 1e-7 * max(map(abs, ends))), None)
         if together is None:
             events.append(_fold(segment, name, ends))
         else:  # energy and volume, say
             events += [replace(event, kind=f"fold:{name}") for event in events[:] if event.point is together][:1]
     for block, k, before, after in crossings:
-        if block == problem.own_block and not problem.conserved:
+        if block == problem.trivial_block and not problem.conserved:
             continue  # stability changes where the branch neither turns nor meets another
         event = _located(
             segment,
@@ -194,7 +175,7 @@ def events_between(first: BranchPoint[P], last: BranchPoint[P], folds: Sequence[
             change=block.multiplicity if after > before else -block.multiplicity,
         )
         # In the problem's own block a rate changes sign where the conserved quantity turns: that is the fold.
-        if block == problem.own_block and turn is not None and abs(turn.s - event.s) < 1e-4:
+        if block == problem.trivial_block and turn is not None and abs(turn.s - event.s) < 1e-4:
             continue
         events.append(event)
     return sorted(events, key=lambda event: event.s)

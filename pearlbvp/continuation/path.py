@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
+from typing import Generic
 
 import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.interpolation import interpolate
-from pearlbvp.continuation.problem import Problem
+from pearlbvp.continuation.problem import P, Problem
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.newton import NewtonOptions, NewtonResult, newton
 from pearlbvp.representation import brief
 
@@ -45,32 +46,6 @@ class PathOptions:
             )
 
 
-P = TypeVar("P", bound=Problem)
-
-
-@dataclass(frozen=True)
-class Point(Generic[P]):
-    """A solution on a path.
-
-    Attributes:
-        problem: the problem on the mesh that ``u`` lives on.
-        u: the unknown.
-        tangent: unit tangent of the path.
-        observables: named numbers of the solution.
-        iterations: Newton iterations that it took.
-        step: length of the step to try from here; 0 for that of the options.
-    """
-
-    __repr__ = brief
-
-    problem: P
-    u: Array
-    tangent: Array
-    observables: dict[str, float]
-    iterations: int = 0
-    step: float = 0.0
-
-
 @dataclass(frozen=True)
 class Path(Generic[P]):
     """Consecutive points and why there are no more.
@@ -83,7 +58,7 @@ class Path(Generic[P]):
 
     __repr__ = brief
 
-    points: list[Point[P]]
+    points: list[Solution[P]]
     reason: str
     complete: bool
 
@@ -141,7 +116,7 @@ def correct_at(problem: Problem, u: Array, options: NewtonOptions, unknown: int 
     return correct(problem, u, direction, u, 0.0, options)
 
 
-def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
+def steps(start: Solution[P], options: PathOptions) -> Iterator[Solution[P]]:
     """Points of the path beyond ``start``, one at a time, each corrected and on a mesh that fits it.
 
     The start may be a simple bifurcation point with the tangent of the branch wanted. No step is taken at which the
@@ -189,7 +164,7 @@ def steps(start: Point[P], options: PathOptions) -> Iterator[Point[P]]:
             step = min(2 * step, options.max_step)
         elif result.iterations >= 6:
             step = max(step / 2, options.min_step)
-        point = Point(problem, u, tangent, problem.observables(u), result.iterations, step)
+        point = Solution(problem, u, tangent, result.iterations, step)
         yield point
 
 
@@ -200,7 +175,7 @@ SAFETY = 10.0
 """By how much the Jacobian may vary faster at the next point than here, for the corrector's first step to suffice."""
 
 
-def _predicted(point: Point[P], past: dict[float, Array], step: float) -> Array:
+def _predicted(point: Solution[P], past: dict[float, Array], step: float) -> Array:
     """The polynomial through past points with the latest one's tangent, a step beyond: ``u + s t + s^2 q(s)``."""
     remainder = {s: (before - point.u - s * point.tangent) / s**2 for s, before in past.items() if s != 0}
     predicted: Array = point.u + step * point.tangent
@@ -209,7 +184,7 @@ def _predicted(point: Point[P], past: dict[float, Array], step: float) -> Array:
     return predicted
 
 
-def follow(start: Point[P], options: PathOptions, stop: Callable[[Point[P]], str | None]) -> Path[P]:
+def follow(start: Solution[P], options: PathOptions, stop: Callable[[Solution[P]], str | None]) -> Path[P]:
     """Follow the path from ``start`` along its tangent until ``stop`` returns a reason or it cannot go on."""
     points = [start]
     try:

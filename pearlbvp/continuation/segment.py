@@ -13,7 +13,9 @@ import numpy as np
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.crossing import correct_beside
 from pearlbvp.continuation.interpolation import interpolate
-from pearlbvp.continuation.path import SAFETY, P, PathEnd, Point, correct
+from pearlbvp.continuation.path import SAFETY, PathEnd, correct
+from pearlbvp.continuation.problem import P
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.representation import brief
 
@@ -34,9 +36,9 @@ class Segment(Generic[P]):
 
     __repr__ = brief
 
-    first: Point[P]
-    last: Point[P]
-    _known: dict[float, Point[P]] = field(default_factory=dict, repr=False)
+    first: Solution[P]
+    last: Solution[P]
+    _known: dict[float, Solution[P]] = field(default_factory=dict, repr=False)
     _nodes: dict[float, Array] = field(default_factory=dict, repr=False)
     _rates: list[float] = field(default_factory=lambda: [1e4], repr=False)
 
@@ -44,7 +46,7 @@ class Segment(Generic[P]):
     def length(self) -> float:
         """Arclength of the last point along the first one's tangent."""
         problem = self.first.problem
-        return problem.inner(self.first.tangent, problem.adopt(self.last.problem, self.last.u) - self.first.u)
+        return problem.inner(self.first.tangent, problem.transfer(self.last.problem, self.last.u) - self.first.u)
 
     def _guess(self, s: float) -> Array:
         """From the tangent at the first point through what is known up to the last, or through the points of ``refine``."""
@@ -52,12 +54,12 @@ class Segment(Generic[P]):
             return interpolate(s, self._nodes)
         base, tangent = self.first.u, self.first.tangent
         known = {at: point.u for at, point in self._known.items()}
-        known.setdefault(self.length, self.first.problem.adopt(self.last.problem, self.last.u))
+        known.setdefault(self.length, self.first.problem.transfer(self.last.problem, self.last.u))
         bends = {at: (u - base - at * tangent) / at**2 for at, u in known.items()}
         bend = interpolate(s, bends, apart=abs(self.length) / 50)
         return np.asarray(base + s * tangent + s**2 * bend)
 
-    def point(self, s: float) -> Point[P]:
+    def point(self, s: float) -> Solution[P]:
         """The solution at arclength ``s``, on the first point's mesh.
 
         Where Newton's method fails, as it does beside a branch point of the problem itself, points about it tell how the
@@ -86,7 +88,7 @@ class Segment(Generic[P]):
                 with suppress(np.linalg.LinAlgError):
                     direction = problem.solve(u, unit, tangent)
             direction = direction / math.sqrt(problem.inner(direction, direction))
-            self._known[s] = Point(problem, u, direction, problem.observables(u), result.iterations)
+            self._known[s] = Solution(problem, u, direction, result.iterations)
         return self._known[s]
 
     def _beside(self, guess: Array) -> Array:
@@ -109,8 +111,8 @@ class Segment(Generic[P]):
             self._nodes.update(nodes)
 
     def root(
-        self, function: Callable[[Point[P]], float], at_first: float, tolerance: float = 1e-13, noise: float = 0.0
-    ) -> Point[P]:
+        self, function: Callable[[Solution[P]], float], at_first: float, tolerance: float = 1e-13, noise: float = 0.0
+    ) -> Solution[P]:
         """The point where a function changes its sign (Brent's method).
 
         Args:

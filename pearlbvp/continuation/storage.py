@@ -7,11 +7,11 @@ their problem, their ``observables`` and ``spectrum``; ``special/0 ...``. Proble
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-from pearlbvp.continuation.branch import Branch, BranchPoint, SpecialPoint
-from pearlbvp.continuation.path import Point
+from pearlbvp.continuation.branch import Branch, SpecialPoint
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
 
 KIND = "pearlbvp branch"
@@ -20,36 +20,31 @@ KIND = "pearlbvp branch"
 UNDEFINED = ("residual",)
 """Numbers that may be NaN: the error of growth rates, where no rigid motion tells it."""
 
-Reader = Callable[[Mapping[str, Any]], Any]
-
 
 def branch_tree(branch: Branch[Any]) -> dict[str, Any]:
     """A branch as a tree."""
-    kind: Any = branch.points[0].point.problem
-    problems = {id(entry.point.problem): entry.point.problem for entry in branch.points}
+    problems = {id(entry.problem): entry.problem for entry in branch.points}
     numbers = {known: number for number, known in enumerate(problems)}
     return {
-        "kind": kind.stored_as,
+        "kind": branch.points[0].problem.stored_as,
         "reason": str(branch.reason),  # a sentence with numbers as it is in radii, like all that is saved
         "complete": branch.complete,
         "problems": {str(number): problem.to_tree() for number, problem in enumerate(problems.values())},
         "points": {
-            str(index): _point_tree(entry, numbers[id(entry.point.problem)])
-            for index, entry in enumerate(branch.points)
+            str(index): _point_tree(entry, numbers[id(entry.problem)]) for index, entry in enumerate(branch.points)
         },
         "special": {str(i): _special_tree(found, branch) for i, found in enumerate(branch.special)},
     }
 
 
-def _point_tree(entry: BranchPoint[Any], problem: int) -> dict[str, Any]:
-    point = entry.point
+def _point_tree(entry: Solution[Any], problem: int) -> dict[str, Any]:
     return {
-        "u": point.u, "tangent": point.tangent, "problem": problem, "iterations": point.iterations, "step": point.step,
-        "observables": point.observables, "spectrum": entry.spectrum.to_tree(),
+        "u": entry.u, "tangent": entry.tangent, "problem": problem, "iterations": entry.iterations, "step": entry.step,
+        "observables": entry.observables, "spectrum": entry.spectrum.to_tree(),
     }  # fmt: skip
 
 
-def _special_tree(found: SpecialPoint[Any], branch: Branch[Any]) -> dict[str, Any]:
+def _special_tree(found: SpecialPoint, branch: Branch[Any]) -> dict[str, Any]:
     low, high = found.interval
     tree = {
         "kind": found.kind, "index": found.index, "change": found.change, "converged": found.converged,
@@ -60,19 +55,18 @@ def _special_tree(found: SpecialPoint[Any], branch: Branch[Any]) -> dict[str, An
     return tree | {"block": list(branch.points[found.index].spectrum.rates).index(found.block)}
 
 
-def branch_of_tree(tree: Mapping[str, Any], kinds: Mapping[str, tuple[Reader, Any]]) -> Branch[Any]:
+def branch_of_tree(tree: Mapping[str, Any], kinds: Mapping[str, Any]) -> Branch[Any]:
     """The inverse of ``branch_tree``.
 
     Args:
         tree: as ``branch_tree`` makes it.
-        kinds: for each kind of problem the inverse of its ``to_tree``, and the named tuple that its symmetry blocks are.
+        kinds: classes of problems, by what files call them.
 
     Raises:
         ValueError, LookupError, TypeError: something is missing in the tree, or does not fit.
     """
-    problem_from, block = kinds[tree["kind"]]
-    problems = [problem_from(problem) for problem in _in_order(tree["problems"])]
-    points = [_point(point, problems, block) for point in _in_order(tree["points"])]
+    problems = [kinds[tree["kind"]].from_tree(problem) for problem in _in_order(tree["problems"])]
+    points = [_point(point, problems) for point in _in_order(tree["points"])]
     if not points:
         raise ValueError("a branch without points")
     special = [_special(found, points) for found in _in_order(tree["special"])]
@@ -83,20 +77,18 @@ def _in_order(trees: Mapping[str, Any]) -> list[Any]:
     return [trees[str(i)] for i in range(len(trees))]
 
 
-def _point(tree: Mapping[str, Any], problems: list[Any], block: Any) -> BranchPoint[Any]:
+def _point(tree: Mapping[str, Any], problems: list[Any]) -> Solution[Any]:
     problem, u, tangent = problems[tree["problem"]], tree["u"], tree["tangent"]
     if u.shape != tangent.shape:
         raise ValueError("a point's unknown and tangent do not fit")
-    order = problem.observables(u)  # files sort names; this also fails where u does not fit its mesh
-    observables = {name: float(tree["observables"][name]) for name in order}
-    point = Point(problem, u, tangent, observables, int(tree["iterations"]), float(tree["step"]))
-    spectrum = Spectrum.from_tree(tree["spectrum"], block)
+    spectrum = Spectrum.from_tree(tree["spectrum"], problem.block)
     if spectrum.rates and not math.isfinite(spectrum.mu_crit):  # this also fails where a block has no rates
         raise ValueError("a point's growth rates do not fit")
-    return BranchPoint(point, spectrum)
+    solution = Solution(problem, u, tangent, int(tree["iterations"]), float(tree["step"]), spectrum)
+    return solution.computed()  # fails where u does not fit its mesh
 
 
-def _special(tree: Mapping[str, Any], points: list[BranchPoint[Any]]) -> SpecialPoint[Any]:
+def _special(tree: Mapping[str, Any], points: list[Solution[Any]]) -> SpecialPoint:
     index = int(tree["index"])
     blocks = list(points[index].spectrum.rates)
     block = blocks[tree["block"]] if "block" in tree else None

@@ -7,16 +7,16 @@ problem embeds its solution there, and the null vector found there is the new br
 from __future__ import annotations
 
 import math
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.continuation.branch import Branch, BranchOptions, SpecialPoint, continue_branch, start_point
+from pearlbvp.continuation.branch import Branch, SpecialPoint
 from pearlbvp.continuation.crossing import crossing_direction
+from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.problem import Problem
-
-P = TypeVar("P", bound=Problem)
+from pearlbvp.continuation.solution import Solution
 
 
 def tangent_along(problem: Problem, u: Array, direction: Array) -> Array:
@@ -33,7 +33,7 @@ def tangent_along(problem: Problem, u: Array, direction: Array) -> Array:
 
 def switch(
     branch: Branch[Any],
-    special: SpecialPoint[Any],
+    special: SpecialPoint,
     options: BranchOptions,
     *,
     centre: str = "pearl",
@@ -45,7 +45,7 @@ def switch(
         branch: a branch.
         special: one of its special points, of kind ``bp``.
         options: how to follow the new branch.
-        centre: where the new branch is centred, as the problem's ``embed`` takes it.
+        centre: where the new branch is centred, as the problem's ``lift`` takes it.
         grow: follow the half on which the solution grows at its centre, else the other. On a pitchfork the two are
             the same shapes, shifted.
 
@@ -57,12 +57,12 @@ def switch(
         raise ValueError(
             f"special: {special.kind} at point {special.index} is no located branch point; choose one of find('bp')"
         )
-    point = branch.at(special).point
+    point = branch.at(special)
     return leave(point.problem, point.u, point.tangent, special.block, options, centre=centre, grow=grow)
 
 
 def leave(
-    problem: Any,
+    problem: Problem,
     u: Array,
     tangent: Array,
     block: Any,
@@ -78,9 +78,9 @@ def leave(
         block: the block of the neutral perturbation.
         options, centre, grow: as ``switch`` takes them.
     """
-    problem, (u, tangent) = problem.embed(block, centre, u, tangent)
+    problem, (u, tangent) = problem.lift(block, centre, u, tangent)
     tangent = tangent / math.sqrt(problem.inner(tangent, tangent))
     direction = crossing_direction(problem, u, tangent)
-    if problem.grows_at_centre(direction) != grow:
+    if problem.is_upper_half(direction) != grow:
         direction = -direction
-    return continue_branch(start_point(problem, u, direction), options, at_bifurcation=True)
+    return continue_branch(Solution.along(problem, u, direction), options, at_bifurcation=True)

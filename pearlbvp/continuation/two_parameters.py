@@ -10,14 +10,16 @@ where two of them meet.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.continuation.branch import Branch, BranchOptions, SpecialPoint, continue_branch, start_point
+from pearlbvp.continuation.branch import Branch, SpecialPoint
+from pearlbvp.continuation.following import BranchOptions, continue_branch
+from pearlbvp.continuation.problem import Problem
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.representation import brief
 
@@ -52,7 +54,7 @@ class FoldCondition:
 
     def neutral_block(self, surface: CurveOnSurface) -> Any:
         """The problem's own, where what turns is what perturbations keep; else None."""
-        return surface.base.own_block if self.neutral else None
+        return surface.base.trivial_block if self.neutral else None
 
     def __call__(self, surface: CurveOnSurface, u: Array) -> float:
         """Derivative of the observable along that curve."""
@@ -86,8 +88,13 @@ class NeutralCondition:
         return float(rates[np.abs(rates).argmin()])
 
 
+def _of_the_base(name: str) -> Any:
+    """An attribute that a curve shares with the problem on whose surface of solutions it lies."""
+    return property(lambda curve: getattr(curve.base, name))
+
+
 @dataclass(frozen=True)
-class CurveOnSurface:
+class CurveOnSurface(Problem):
     """The problem of a curve on a surface of solutions, as ``continuation`` takes it.
 
     Attributes:
@@ -99,15 +106,19 @@ class CurveOnSurface:
 
     __repr__ = brief
 
-    base: Any
+    base: Problem
     fixed: Array
     reference: Array
     condition: Condition
 
+    inner, observables, further, poles, limit, walls, family, headline, trivial_block, conserved = map(_of_the_base, (
+        "inner", "observables", "further", "poles", "limit", "walls", "family", "headline", "trivial_block", "conserved"
+    ))  # fmt: skip
+
     @property
-    def family(self) -> str:
-        """That of the base."""
-        return str(self.base.family)
+    def shapes(self) -> Any:
+        """The base: special or not, these are its solutions."""
+        return self.base
 
     def curve_tangent(self, u: Array) -> Array:
         """Tangent, with inner product 1 with the reference, of the curve of fixed second parameter through ``u``."""
@@ -130,11 +141,11 @@ class CurveOnSurface:
         found = self.base.solve(u, wide, np.vstack((self.reference, self.fixed)))
         particular, basis = found[:, :sides], found[:, sides:]
         # Two conditions on the two coordinates in the surface's tangent plane.
-        matrix = np.array([[self._slope(u, z) for z in basis.T], [self.inner(row, z) for z in basis.T]])  # type: ignore[arg-type]
+        matrix = np.array([[self._slope(u, z) for z in basis.T], [self.inner(row, z) for z in basis.T]])
         known = np.array(
             [
                 columns[-2] - [self._slope(u, x) for x in particular.T],
-                columns[-1] - [self.inner(row, x) for x in particular.T],  # type: ignore[arg-type]
+                columns[-1] - [self.inner(row, x) for x in particular.T],
             ]
         )
         result: Array = particular + basis @ np.linalg.solve(matrix, known)
@@ -148,19 +159,9 @@ class CurveOnSurface:
         step = 1e-4 / size
         return (self.condition(self, u + step * direction) - self.condition(self, u - step * direction)) / (2 * step)
 
-    def inner(self, u: Array, v: Array) -> float:
-        """That of the base."""
-        return float(self.base.inner(u, v))
-
-    def observables(self, u: Array) -> dict[str, float]:
-        """Those of the base."""
-        observed: dict[str, float] = self.base.observables(u)
-        return observed
-
-    def adopt(self, other: CurveOnSurface, u: Array) -> Array:
-        """That of the base."""
-        moved: Array = self.base.adopt(other.base, u)
-        return moved
+    def transfer(self, other: CurveOnSurface, u: Array) -> Array:
+        """As the base does."""
+        return self.base.transfer(other.base, u)
 
     def remesh(self, u: Array, *others: Array) -> tuple[CurveOnSurface, list[Array]] | None:
         """A fitted mesh for the base, and a reference tangent from here."""
@@ -178,26 +179,6 @@ class CurveOnSurface:
         fixed[fixed.size - place] = 1.0
         return replace(self, base=base, fixed=fixed, reference=tangent), [u, *others_moved]
 
-    def wave(self, u: Array) -> float:
-        """That of the base."""
-        return float(self.base.wave(u))
-
-    @property
-    def own_block(self) -> Hashable:
-        """That of the base."""
-        block: Hashable = self.base.own_block
-        return block
-
-    @property
-    def conserved(self) -> str:
-        """That of the base."""
-        return str(self.base.conserved)
-
-    def poles(self, u: Array) -> Mapping[str, float]:
-        """Those of the base."""
-        poles: Mapping[str, float] = self.base.poles(u)
-        return poles
-
     def spectrum(self, u: Array) -> Any:
         """That of the base, without the rate that is zero by the condition: its sign would be that of rounding."""
         found = self.base.spectrum(u)
@@ -205,7 +186,7 @@ class CurveOnSurface:
         if block is None:
             return found
         rates = found.rates[block]
-        return replace(found, rates=found.rates | {block: np.delete(rates, np.abs(rates).argmin())})
+        return replace(found, rates={**found.rates, block: np.delete(rates, np.abs(rates).argmin())})
 
     def block_rates(self, u: Array, block: Any, like: Any) -> Array:
         """Those of the base, without the rate that is zero by the condition."""
@@ -217,7 +198,7 @@ class CurveOnSurface:
 
 def follow(
     branch: Branch[Any],
-    special: SpecialPoint[Any],
+    special: SpecialPoint,
     second: str,
     options: BranchOptions,
     *,
@@ -238,7 +219,7 @@ def follow(
     if not special.converged or not (special.kind == "bp" or special.kind.startswith("fold:")):
         raise ValueError(f"special: {special.kind} at point {special.index} is no located fold or branch point")
     entry = branch.at(special)
-    base, (u, tangent), place = entry.point.problem.with_second(second, entry.point.u, entry.point.tangent)
+    base, (u, tangent), place = entry.problem.with_second(second, entry.u, entry.tangent)
     fixed = np.zeros(u.size)
     fixed[place] = 1.0
     condition: Condition
@@ -246,9 +227,9 @@ def follow(
         condition = NeutralCondition(special.block, entry.spectrum)
     else:
         name = special.kind.removeprefix("fold:")
-        condition = FoldCondition(name, neutral=name == entry.point.problem.conserved)
+        condition = FoldCondition(name, neutral=name == entry.problem.conserved)
     curve = CurveOnSurface(base, fixed, tangent / np.sqrt(base.inner(tangent, tangent)), condition)
     direction = tangent_along(curve, u, fixed if upwards else -fixed)
     newton = replace(options.path.newton, rounding=max(options.path.newton.rounding, NOISE))
     options = replace(options, path=replace(options.path, newton=newton))
-    return continue_branch(start_point(curve, u, direction), options)
+    return continue_branch(Solution.along(curve, u, direction), options)

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
 
-from pearlbvp.continuation.branch import Branch, BranchPoint
+from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
 from pearlbvp.figures.surface import along, place_surfaces
 from pearlbvp.units import RADII, Units
@@ -78,18 +79,13 @@ def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarra
     return np.array(xs), np.array(ys)
 
 
-def _of_shapes(problem: Any) -> Any:
-    """The problem of a branch's shapes: of a curve in two parameters, the one that it is a curve on."""
-    return getattr(problem, "base", problem)
-
-
 def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> bool:
     """Outlines of some shapes along a branch, one period each, above one another; whether they are drawn to scale."""
     chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
     height = 3.0 * units.to_user("r_max", max(branch.points[i].observables["r_max"] for i in chosen))
     for place, index in enumerate(chosen):
-        point = branch.points[index].point
-        profile = _of_shapes(point.problem).profile(point.u)
+        point = branch.points[index]
+        profile = point.problem.shapes.profile(point.u)
         x, r = (units.to_user(name, values) for name, values in zip("xr", profile.outline(), strict=True))
         colour = _curve_colour(branch.points[index])
         for side in (1, -1):
@@ -124,7 +120,7 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units 
     """Cross-sections of some rings along a branch, side by side."""
     width = 2.8 * units.to_user("r_max", max(entry.observables["r_max"] for entry in along(branch, count)))
     for place, entry in enumerate(along(branch, count)):
-        section = _of_shapes(entry.point.problem).section(entry.point.u, 0.0)
+        section = entry.problem.shapes.section(entry.u, 0.0)
         y, z = (units.to_user(name, values) for name, values in zip("yz", section, strict=True))
         axes.plot(y + place * width, z, color=_curve_colour(entry), linewidth=1.2)
         label = f"v = {entry.observables['v']:.4f}"
@@ -133,7 +129,7 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units 
     _to_scale(axes, -0.8 * width)
 
 
-def _curve_colour(entry: BranchPoint[Any]) -> str:
+def _curve_colour(entry: Solution[Any]) -> str:
     return COLOURS[0] if entry.spectrum.n_unstable == 0 else COLOURS[1]
 
 
@@ -155,14 +151,14 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "", units
     for place, (x, y) in zip(axes.ravel(), pairs, strict=False):
         draw_curve(place, table, x, y, COLOURS[0])
         dress(place, units.axis_label(x), units.axis_label(y), title if place is axes[0, 0] else "")
-    problem = _of_shapes(branch.points[0].point.problem)
-    if problem.stored_as in ("tube", "mesh"):  # no single curve describes it
+    problem = branch.points[0].problem.shapes
+    if problem.drawn == "surface":
         figure.delaxes(axes[1, 1])
         points = along(branch)
         titles = [f"v = {point.observables['v']:.4f}" for point in points]
         place_surfaces(figure, (0.53, 0.02, 0.46, 0.42), points, titles, (2, 2))
         figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize=9)
-    elif problem.stored_as == "ring":
+    elif problem.drawn == "section":
         draw_sections(axes[1, 1], branch, units=units)
         beside = units.axis_label("y", "shapes beside one another, y")
         dress(axes[1, 1], beside, "", "sections: stable blue, unstable brown")

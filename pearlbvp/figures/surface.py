@@ -12,16 +12,15 @@ from matplotlib.colors import LightSource, to_rgb
 from matplotlib.figure import Figure
 
 from pearlbvp.arrays import Array
-from pearlbvp.continuation.branch import Branch, BranchPoint
+from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.figures.canvas import new_blank, own_style
+from pearlbvp.membrane import Grid
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.sections import one_period
 
 STABLE, UNSTABLE, PLAIN = "#7ba7d9", "#e0a070", "#9db8d6"
 """Colours of surfaces: light enough for shades to show, those of curves in kind."""
-
-Surface = tuple[Array, Array, Array]
-"""``x, y, z`` of points along (rows) and around (columns) a tube, closed around."""
 
 LIGHT = LightSource(azdeg=225, altdeg=50)
 
@@ -29,41 +28,13 @@ DARKEST = 0.35
 """Brightness of what faces away from the light."""
 
 
-def surface_of(point: Any) -> Surface | PeriodicMesh:
-    """A solution's surface on the whole tube, of any family, to draw or to export: points, or a mesh where it is on one.
-
-    Args:
-        point: a point of a branch (``branch.points[i]``) or what it holds (``.point``).
-    """
-    if isinstance(point, BranchPoint):
-        point = point.point
-    problem, u = getattr(point.problem, "base", point.problem), point.u  # of a curve in two parameters: the shapes' own
-    if problem.stored_as == "mesh":
-        mesh: PeriodicMesh = problem.surface(u)
-        return mesh
-    if problem.stored_as == "tube":
-        problem, u = problem.released(u, "lambda1", "lambda2", "v")  # whatever varies, at the shape's own length
-        x = np.linspace(0, problem.length, max(24, round(6 * problem.length)) + 1)
-        # Piece by piece, for the memory of all modes at all points.
-        pieces = [problem.surface(u, part, 64) for part in np.array_split(x, max(1, len(x) // 10))]
-        x, y, z = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
-        return x, y, z
-    profile = problem.profile(point.u)
-    if hasattr(profile, "curve"):  # a ring: the same section everywhere
-        x, y, z = profile.surface(problem.length, along=max(2, round(4 * problem.length)) + 1, around=97)
-        return x, y, z
-    return repeated(profile.surface(), profile.period, max(1, round(point.observables["L"] / profile.period)))
+def shown(solution: Solution[Any]) -> Grid | PeriodicMesh:
+    """A solution's surface on the whole tube; of a curve in two parameters that of its shapes."""
+    found: Grid | PeriodicMesh = solution.problem.shapes.to_draw(solution.u)
+    return found
 
 
-def repeated(surface: Surface, period: float, count: int) -> Surface:
-    """A period of a tube, its end the image of its beginning, ``count`` times along the axis."""
-    x, y, z = surface
-    along = np.concatenate([x[: -1 if i + 1 < count else None] + i * period for i in range(count)])
-    across = [np.concatenate([part[: -1 if i + 1 < count else None] for i in range(count)]) for part in (y, z)]
-    return along, across[0], across[1]
-
-
-def faces_of(surface: Surface | PeriodicMesh) -> Array:
+def faces_of(surface: Grid | PeriodicMesh) -> Array:
     """Corners of a surface's quadrangles or triangles, shape (F, 4 or 3, 3), in one sense as seen from outside."""
     if isinstance(surface, PeriodicMesh):
         return np.asarray(one_period(surface))
@@ -91,7 +62,7 @@ def view(elevation: float, azimuth: float) -> Array:
     return np.array([right, np.cross(towards, right), towards])
 
 
-def box_of(surfaces: Sequence[Surface | PeriodicMesh]) -> tuple[float, float]:
+def box_of(surfaces: Sequence[Grid | PeriodicMesh]) -> tuple[float, float]:
     """Half the size, along and across the axis, of a box that holds all of some surfaces."""
     corners = [faces_of(surface) for surface in surfaces]
     half_length = max(float(np.ptp(faces[..., 0])) for faces in corners) / 2
@@ -121,7 +92,7 @@ def add_faces(axes: Axes, faces: Array, colours: Array, seen_from: Array, edges:
 
 
 def show_surface(
-    axes: Axes, surface: Surface | PeriodicMesh, half_length: float, extent: float, colour: str = PLAIN
+    axes: Axes, surface: Grid | PeriodicMesh, half_length: float, extent: float, colour: str = PLAIN
 ) -> None:
     """A tube seen from afar, lit from above, in a box of given size: what is farther away is drawn first.
 
@@ -142,13 +113,13 @@ def show_surface(
     axes.set_axis_off()
 
 
-def colour_of(point: BranchPoint[Any]) -> str:
+def colour_of(point: Solution[Any]) -> str:
     """Blue for a stable solution, brown for an unstable one."""
     return STABLE if point.spectrum.n_unstable == 0 else UNSTABLE
 
 
 @own_style()
-def draw_surfaces(points: Sequence[BranchPoint[Any]], titles: Sequence[str] = (), columns: int = 4) -> Figure:
+def draw_surfaces(points: Sequence[Solution[Any]], titles: Sequence[str] = (), columns: int = 4) -> Figure:
     """Solutions beside one another, stable ones blue, unstable ones brown, all to one scale.
 
     Args:
@@ -169,7 +140,7 @@ def draw_surfaces(points: Sequence[BranchPoint[Any]], titles: Sequence[str] = ()
 def place_surfaces(
     figure: Figure,
     box: tuple[float, float, float, float],
-    points: Sequence[BranchPoint[Any]],
+    points: Sequence[Solution[Any]],
     titles: Sequence[str],
     grid: tuple[int, int],
 ) -> None:
@@ -181,7 +152,7 @@ def place_surfaces(
         points, titles: what to draw and what to write above each.
         grid: rows and columns.
     """
-    surfaces = [surface_of(point) for point in points]
+    surfaces = [shown(point) for point in points]
     half_length, extent = box_of(surfaces)
     left, bottom, width, height = box[0], box[1], box[2] / grid[1], box[3] / grid[0]
     for place, (point, surface, title) in enumerate(zip(points, surfaces, titles, strict=True)):
@@ -192,7 +163,7 @@ def place_surfaces(
         figure.text(corner[0] + width / 2, corner[1] + 0.88 * height, title, fontsize=8, ha="center")
 
 
-def along(branch: Branch[Any], count: int = 4) -> list[BranchPoint[Any]]:
+def along(branch: Branch[Any], count: int = 4) -> list[Solution[Any]]:
     """Some points from a branch's first to its last."""
     chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
     return [branch.points[i] for i in chosen]

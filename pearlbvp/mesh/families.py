@@ -30,13 +30,13 @@ jittered by a fixed share, or edited, those of a subdivision surface stay at abo
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
+from pearlbvp.membrane import Surface
 from pearlbvp.mesh.adaptation import AdaptOptions, adapted, measured
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.samples import Samples
@@ -47,9 +47,6 @@ MOST_NODES = 200_000
 
 POOREST = 8.0
 """Quality of triangles that no mesh is made of: an equilateral one has 3.5, and the paper mends those worse than 8."""
-
-Surface = Callable[[Array, Array], Array]
-"""Points, shape (K, 3), of parameters ``x`` and ``phi``, shape (K,), with ``x + L`` a period further along."""
 
 
 def divisions(length: float, nodes: int, coil: tuple[int, int] | None = None) -> tuple[int, int]:

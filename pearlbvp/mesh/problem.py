@@ -23,7 +23,9 @@ from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Pinned, spread
 from pearlbvp.continuation.path import correct
 from pearlbvp.continuation.spectrum import Spectrum
+from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Fixed
+from pearlbvp.membrane import MembraneProblem, Surface
 from pearlbvp.mesh.adaptation import (
     AdaptOptions,
     adapted,
@@ -59,7 +61,7 @@ STRAIGHT = 1e-3
 
 
 @dataclass(frozen=True)
-class MeshProblem:
+class MeshProblem(MembraneProblem):
     """Equilibria near a reference mesh: ``residual(u) = 0`` is a curve.
 
     Attributes:
@@ -75,7 +77,9 @@ class MeshProblem:
     __repr__ = brief
 
     stored_as: ClassVar[str] = "mesh"
-    family: ClassVar[str] = "mesh"
+    family = "mesh"
+    block: ClassVar[Any] = MeshBlock
+    why_fixed: ClassVar[str] = "a branch on a mesh keeps its {name}; follow one from the straight tube at another value"
 
     mesh: PeriodicMesh
     phases: Array
@@ -175,23 +179,32 @@ class MeshProblem:
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,
         }  # fmt: skip
 
-    def wave(self, u: Array) -> float:
+    def largest_wave(self, u: Array) -> float:
         """``2 A`` of the largest wave (``projection``)."""
         return largest_wave(self.functional, self.vertices(u))
 
     @property
-    def own_block(self) -> MeshBlock:
+    def trivial_block(self) -> MeshBlock:
         """The block of the perturbations that keep the surface's symmetry."""
         return MeshBlock("all" if self.orbits is None else "symmetric")
 
-    @property
-    def conserved(self) -> str:
-        """What perturbations keep and the branch does not."""
-        return "v" if self.fixed == "area and volume" else "lambda2"
+    def limit(self, observed: Mapping[str, float], spectrum: Spectrum) -> str | None:
+        """Perturbations that grow were missed."""
+        return None if spectrum.complete else "not all unstable perturbations were found; take a finer mesh"
 
-    def poles(self, u: Array) -> Mapping[str, float]:
-        """None are watched: the multipliers of a mesh are those of its energy."""
-        return {}
+    def own_mesh(self, u: Array) -> PeriodicMesh:
+        """The mesh on the surface."""
+        return self.surface(u)
+
+    to_draw = own_mesh
+
+    def parametrized(self, u: Array) -> Surface:
+        """None: points of a mesh have no parameters.
+
+        Raises:
+            InputError: always.
+        """
+        raise InputError("point: a shape on a mesh has points of its own only; take those (own_mesh)")
 
     def block_modes(self, u: Array, counts: Mapping[MeshBlock, int]) -> Modes:
         """Leading growth rates and their displacements, by symmetry blocks, and the number of positive rates.
@@ -217,7 +230,7 @@ class MeshProblem:
 
     @property
     def _blocks(self) -> list[MeshBlock]:
-        return [self.own_block] if self.orbits is None else [self.own_block, MeshBlock("breaking")]
+        return [self.trivial_block] if self.orbits is None else [self.trivial_block, MeshBlock("breaking")]
 
     def spectrum(self, u: Array) -> Spectrum:
         """The leading growth rates, and whether all positive ones are among them."""
@@ -297,7 +310,7 @@ class MeshProblem:
             mesh = mesh.moved(Functional(mesh).vertices_near(mesh.vertices))
         return Samples.of(mesh)
 
-    def adopt(self, other: MeshProblem, u: Array) -> Array:
+    def transfer(self, other: MeshProblem, u: Array) -> Array:
         """An unknown on another mesh, moved onto this one: displacements to its surface along this one's directions."""
         if other is self:
             return u
@@ -310,7 +323,7 @@ class MeshProblem:
             along = mean(self.orbits, along)
         return np.concatenate((along, np.zeros(len(self.phases)), u[-3:]))
 
-    def embed(self, block: MeshBlock, centre: str, *vectors: Array) -> tuple[MeshProblem, list[Array]]:
+    def lift(self, block: MeshBlock, centre: str, *vectors: Array) -> tuple[MeshProblem, list[Array]]:
         """The problem with phase conditions that leave one neutral displacement of several.
 
         Where a symmetry breaks that shifts or turns the surface along itself, neutral displacements come in twos or fours,
@@ -354,7 +367,7 @@ class MeshProblem:
         x, y = self.mesh.vertices[:, 0], self.mesh.vertices[:, 1]
         return int(np.argmin((x % self.length - self.length / 2) ** 2 + (y - y.max()) ** 2))
 
-    def grows_at_centre(self, direction: Array) -> bool:
+    def is_upper_half(self, direction: Array) -> bool:
         """Whether the tube grows at the vertex nearest to the middle of the period."""
         return bool(direction[self._middle] > 0)
 

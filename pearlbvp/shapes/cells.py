@@ -9,10 +9,12 @@ Physica D 181 (2003) 1).
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation import BoundaryValueProblem, PiecewisePolynomial
+from pearlbvp.collocation import BoundaryValueProblem, Discretization, PiecewisePolynomial
 from pearlbvp.shapes import axisymmetric, tension
 
 _ENDS = np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 6))
@@ -88,3 +90,62 @@ def full_cell(reference: PiecewisePolynomial) -> BoundaryValueProblem:
         integrand=integrand,
         integrand_jacobian=integrand_jacobian,
     )
+
+
+_MIRROR = np.array([1.0, -1.0, 1.0, -1.0])
+"""What a plane of reflection does to ``r, psi, h, w``."""
+
+
+def mirrored(
+    half: Discretization, u: Array, *tangents: Array
+) -> tuple[Discretization, PiecewisePolynomial, list[Array]]:
+    """The full cell around a solution of the half cell.
+
+    Returns:
+        Its discretization; the slopes of the solution, as reference of the phase; the solution and the tangents in it.
+    """
+    p = half.all_parameters(u)
+    mesh = np.append(half.mesh / 2, 1 - half.mesh[-2::-1] / 2)
+    parameters = np.append(p * _scale(2), 0.0)
+
+    def whole(values: Array) -> Array:
+        return np.vstack((values, (values[::-1] * _MIRROR)[1:]))
+
+    states = PiecewisePolynomial(mesh, whole(half.values(u)))
+    slopes = np.asarray(axisymmetric.rhs(states.points, states.values, parameters))
+    reference = PiecewisePolynomial(mesh, slopes)
+    full = Discretization(full_cell(reference), half.scheme, mesh, parameters, (*half.free, "drag"), half.weights)
+    moved = []
+    for vector in (u, *tangents):
+        free = vector[vector.size - len(half.free) :] * _scale(2)[half.free_index]
+        moved.append(np.concatenate((whole(half.values(vector)).ravel(), free, [0.0])))
+    return full, reference, moved
+
+
+def repeated_cells(half: Discretization, cells: int, neck: bool, *vectors: Array) -> tuple[Discretization, list[Array]]:
+    """Half-cell solutions as solutions of a period ``cells`` times as long, on the half of that from a plane of reflection.
+
+    Args:
+        half: the half cell, from belly to neck.
+        cells: how many periods become one.
+        neck: whether a neck stands at the first plane of reflection, else a belly.
+        vectors: solutions or tangents.
+    """
+    order = [(i + neck) % 2 for i in range(cells)]  # 0: belly to neck, 1: neck to belly
+    meshes = [(i + (half.mesh[1:] if way == 0 else 1 - half.mesh[-2::-1])) / cells for i, way in enumerate(order)]
+    mesh = np.concatenate((np.zeros(1), *meshes))
+    mesh[-1] = 1.0
+    discretization = replace(half, mesh=mesh, parameters=half.parameters * _scale(cells))
+    moved = []
+    for vector in vectors:
+        forth = half.values(vector)
+        back = forth[::-1] * _MIRROR
+        parts = [(forth, back)[way][min(i, 1) :] for i, way in enumerate(order)]
+        free = vector[vector.size - len(half.free) :] * _scale(cells)[half.free_index]
+        moved.append(np.concatenate((np.vstack(parts).ravel(), free)))
+    return discretization, moved
+
+
+def _scale(cells: int) -> Array:
+    """Factors of the parameters when several cells become one."""
+    return np.array([cells if name in ("arclength", "length") else 1.0 for name in axisymmetric.PARAMETERS])

@@ -10,8 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -24,16 +23,19 @@ from pearlbvp.collocation import (
     gauss_scheme,
     intervals_for,
 )
-from pearlbvp.collocation.polynomial import all_points, extremes
+from pearlbvp.collocation.polynomial import extremes
+from pearlbvp.continuation.problem import LiftError
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.helfrich import SHORT_WAVE, Fixed, Tube, cylinder_lambda1
+from pearlbvp.helfrich import Fixed
+from pearlbvp.membrane import Grid, MembraneProblem, Surface, fixed_of_tree
+from pearlbvp.membrane import repeated as repeated_surface
 from pearlbvp.representation import brief
 from pearlbvp.shapes import axisymmetric, tension
-from pearlbvp.shapes.cells import HALF_CELL, HALF_CELL_TENSION, full_cell
+from pearlbvp.shapes.cells import HALF_CELL, HALF_CELL_TENSION, full_cell, mirrored, repeated_cells
 from pearlbvp.stability.bloch import SecondVariation
 from pearlbvp.stability.profile import Profile
 from pearlbvp.stability.spectrum import Block, block_rates, spectrum
-from pearlbvp.theory.dispersion import critical_lambda2
+from pearlbvp.units import Sentence
 
 Centre = Literal["pearl", "neck"]
 
@@ -43,8 +45,15 @@ LARGE_TENSION, SMALL_TENSION = 12.0, 6.0
 Of short pearls times the square of their wave number, which is the size of their multipliers."""
 
 
+THINNEST_NECK = 4e-3
+"""Radius of the neck at which a branch of pearls ends: beyond, rounding spoils the count of unstable waves."""
+
+RESOLVED = 1e-4
+"""Error of growth rates, by the fourth power of the wave number, beyond which a branch ends rather than count wrongly."""
+
+
 @dataclass(frozen=True)
-class PearlProblem:
+class PearlProblem(MembraneProblem):
     """Pearls on a mesh, as ``continuation`` takes them: ``residual(u) = 0`` is a curve.
 
     Attributes:
@@ -60,7 +69,11 @@ class PearlProblem:
     __repr__ = brief
 
     stored_as: ClassVar[str] = "pearl"
-    family: ClassVar[str] = "pearl"
+    family = "pearl"
+    block: ClassVar[Any] = Block
+    may_vary: ClassVar[Mapping[str, str]] = {"c0": "c0", "L": "length"}
+    drawn = "outline"
+    rejoins = True
 
     discretization: Discretization
     reference: PiecewisePolynomial | None
@@ -95,7 +108,7 @@ class PearlProblem:
         free = tuple(names.get(name, name) for name in d.free)
         problem = HALF_CELL_TENSION if large else HALF_CELL
         _, parameters = convert(d.values(u), d.all_parameters(u))
-        weights = _weights(self.wave_number, large)
+        weights = weights_of(self.wave_number, large)
         other = replace(d, problem=problem, parameters=parameters, free=free, weights=weights)
 
         def moved(vector: Array) -> Array:
@@ -159,7 +172,7 @@ class PearlProblem:
         discretization, moved = d.on_mesh(mesh, u, *others)
         return replace(self, discretization=discretization), moved
 
-    def adopt(self, other: PearlProblem, u: Array) -> Array:
+    def transfer(self, other: PearlProblem, u: Array) -> Array:
         """An unknown that lives on another problem's mesh and chart, moved onto this one's."""
         other, (u,) = other.change_chart(self.large_tension, u)
         if np.array_equal(other.discretization.mesh, self.discretization.mesh):
@@ -182,17 +195,28 @@ class PearlProblem:
         )
 
     @property
-    def own_block(self) -> Block:
+    def trivial_block(self) -> Block:
         """Perturbations that keep the period, the axis of rotation and the planes of reflection."""
         return Block(0, 0, self.cells, "even" if self.half else None)
 
     @property
-    def conserved(self) -> str:
-        """Of what perturbations keep (``v``, or ``lambda2`` at given pressure, and ``c0``, ``L``), what varies here."""
-        free = self.discretization.free
-        kept = {"v": "v"} if self.fixed == "area and volume" else {"lambda2": "lambda2", "mean": "lambda2"}
-        varying = [name for parameter, name in (kept | {"c0": "c0", "length": "L"}).items() if parameter in free]
-        return varying[0] if len(varying) == 1 else ""
+    def free(self) -> tuple[str, ...]:
+        """Names of the parameters that end every unknown."""
+        return self.discretization.free
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """All but the arclength, and the drag of a full cell, which are unknowns on every branch."""
+        return tuple(name for name in self.free if name not in ("arclength", "drag"))
+
+    @property
+    def varying(self) -> tuple[str, ...]:
+        """What varies on the branch of what perturbations may keep."""
+        names = {
+            "mean": "lambda2",
+            "length": "L",
+        }  # the large-multiplier chart has lambda2 by way of the mean curvature
+        return tuple(names.get(name, name) for name in self.free)
 
     def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit the tube."""
@@ -202,56 +226,49 @@ class PearlProblem:
         """Growth rates in one symmetry block, largest first, without its exact kernel, on as many points as ``like``."""
         return block_rates(SecondVariation.of(self.profile(u), like.points), block, self.fixed)[0]
 
-    def place(self, name: str) -> int:
-        """Place of a free parameter in every unknown, counted from its end."""
-        free = self.discretization.free
-        return free.index(name) - len(free)
-
-    def wave(self, u: Array) -> float:
+    def largest_wave(self, u: Array) -> float:
         """``2 A`` of the largest wave (``projection``): of equal pearls the first, of a localized one what it is made of."""
         profile = self.profile(u)
         waves = max(16, math.ceil(3 * profile.period / (2 * math.pi)))
         return profile.projection().wave(2 * math.pi / profile.period, (waves, 0))
 
-    def straightness(self, u: Array) -> float:
+    def signed_amplitude(self, u: Array) -> float:
         """Difference of the radii at the two ends of the first half period: it changes sign where pearls become straight."""
         radii = self.discretization.values(u)[:, 0]
         return float(radii[0] - radii[-1 if self.half else len(radii) // 2])
 
-    def released(self, u: Array, *free: str) -> tuple[PearlProblem, Array]:
+    def plain(self, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
+        """In the chart of the multipliers themselves."""
+        return self.change_chart(False, *vectors)
+
+    def freeing(self, u: Array, *free: str) -> tuple[PearlProblem, Array]:
         """The same solution with other parameters free: to vary ``c0`` at fixed ``v``, say.
 
         Args:
             u: a solution.
-            free: names of the parameters, in the order in which they are to end the unknown, besides the arclength and the
-                drag of a full cell: three leave a curve of solutions, four a surface.
-
-        Raises:
-            ValueError: a name that is no parameter.
+            free: names of the parameters, in the order in which they are to end the unknown, besides those that are
+                unknowns on every branch: three leave a curve of solutions, four a surface.
         """
-        if self.large_tension:
-            plain, (u,) = self.change_chart(False, u)
-            return plain.released(u, *free)
-        d = self.discretization
+        problem, (u,) = self.plain(u)
+        d = problem.discretization
         names = ("arclength", *free, *(("drag",) if self.reference is not None else ()))
         discretization = replace(d, parameters=d.all_parameters(u), free=names)
-        return replace(self, discretization=discretization), discretization.pack(d.values(u), d.all_parameters(u))
+        return replace(problem, discretization=discretization), discretization.pack(d.values(u), d.all_parameters(u))
 
-    def with_second(self, name: str, u: Array, tangent: Array) -> tuple[PearlProblem, list[Array], int]:
-        """The problem with ``c0`` or ``length`` free besides, vectors moved there, and that parameter's place in them.
+    def limit(self, observed: Mapping[str, float], spectrum: Spectrum) -> str | None:
+        """Too many waves around, a spectrum that is not resolved, or a neck that is too thin for one."""
+        if not spectrum.complete:
+            n = max((block.n for block in spectrum.rates), default=0)
+            text = f"waves of more than n = {n} around the tube grow: its tension is {{lambda1:.3g}}"
+            return Sentence(text, lambda1=observed["lambda1"])
+        if spectrum.residual > RESOLVED * self.wave_number**4:
+            text = "its spectrum is known to {rate:.0e} only, at a neck of {r_min:.1e}"
+            return Sentence(text, rate=spectrum.residual, r_min=observed["r_min"])
+        if observed["r_min"] < THINNEST_NECK:
+            return f"the neck is thinner than {THINNEST_NECK:g} radii: the surface is about to touch its axis"
+        return None
 
-        Raises:
-            ValueError: another name.
-        """
-        if name not in ("c0", "length"):
-            raise ValueError(f"second: {name!r} is not c0 or length")
-        plain, (u, tangent) = self.change_chart(False, u, tangent)
-        free = plain.discretization.free
-        problem, moved = plain.released(u, *(p for p in free if p not in ("arclength", "drag")), name)
-        place = moved.size + problem.place(name)
-        return problem, [moved, np.insert(tangent, place, 0.0)], place
-
-    def embed(self, block: Block, centre: Centre, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
+    def lift(self, block: Block, centre: str, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
         """The problem in whose space the perturbations of a block live, and vectors moved into it.
 
         Args:
@@ -260,20 +277,60 @@ class PearlProblem:
             vectors: solutions or tangents of this problem.
 
         Raises:
-            ValueError: the block's perturbations are not axisymmetric.
+            LiftError: the block's perturbations are not axisymmetric.
         """
         if block.n != 0:
-            raise ValueError(f"block: perturbations with n = {block.n} are not axisymmetric; pearls cannot follow them")
-        if block == self.own_block:
+            raise LiftError(f"shapes with n = {block.n} branch off, which are no pearls")
+        if block == self.trivial_block:
             return self, list(vectors)
         if block.j == 0:
-            plain, moved = self.change_chart(False, *vectors)
-            return full_cell_problem(plain, *moved)
+            return self.whole_cell(*vectors)
         if block.parity is not None:  # a wave that changes sign from cell to cell is even about either pearl or neck
             centre = "pearl" if block.parity == "even" else "neck"
-        return unrolled(self, block.cells // math.gcd(block.j, block.cells), centre, *vectors)
+        return self.repeated(block.cells // math.gcd(block.j, block.cells), centre, *vectors)
 
-    def grows_at_centre(self, direction: Array) -> bool:
+    def whole_cell(self, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
+        """The full-cell problem around a solution, the first of some vectors, which is the reference of its phase."""
+        plain, moved = self.plain(*vectors)
+        discretization, reference, moved = mirrored(plain.discretization, *moved)
+        return replace(plain, discretization=discretization, reference=reference), moved
+
+    def repeated(self, cells: int, centre: str, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
+        """Several cells as one: in this larger space periods may differ from each other.
+
+        Where pearls lose stability to a Bloch wave, the branch of the localized pearl leaves in it, centred on a pearl or on a
+        neck.
+
+        Args:
+            cells: how many periods become one; it divides ``self.cells``.
+            centre: what stands at the first plane of reflection.
+            vectors: solutions or tangents.
+
+        Raises:
+            ValueError: the tube does not hold a multiple of that many cells, or the problem is not that of a half cell.
+        """
+        if self.cells % cells or not self.half:
+            raise ValueError(
+                f"cells: {cells} periods do not divide a tube of {self.cells}, or have no planes of reflection"
+            )
+        discretization, moved = repeated_cells(self.discretization, cells, centre == "neck", *vectors)
+        return replace(self, discretization=discretization, cells=self.cells // cells), moved
+
+    def to_draw(self, u: Array) -> Grid:
+        """The surface of all periods."""
+        profile, length = self.profile(u), self.observables(u)["L"]
+        return repeated_surface(profile.surface(), profile.period, max(1, round(length / profile.period)))
+
+    def parametrized(self, u: Array) -> Surface:
+        """Points of the surface by arclength and angle."""
+        return self.profile(u).parametrized()
+
+    def curve(self, u: Array, samples: int) -> dict[str, Array]:
+        """The profile of the whole tube: ``x, r, psi`` (the tangent's angle), ``H`` (mean curvature)."""
+        profile = self.profile(u)
+        return profile.curve(round(self.observables(u)["L"] / profile.period), samples)
+
+    def is_upper_half(self, direction: Array) -> bool:
         """Whether a perturbation makes the tube thicker at the first plane of reflection."""
         return bool(self.discretization.values(direction)[0, 0] > 0)
 
@@ -299,16 +356,16 @@ class PearlProblem:
         reference = None
         if "reference_mesh" in tree:
             reference = PiecewisePolynomial(tree["reference_mesh"], tree["reference_values"])
-        if tree["fixed"] not in get_args(Fixed):
-            raise ValueError(f"fixed: {tree['fixed']!r} is none of {get_args(Fixed)}")
         problem = HALF_CELL_TENSION if tree["large_tension"] else HALF_CELL
         if reference is not None:
             problem = full_cell(reference)
         scheme, free = gauss_scheme(int(tree["degree"])), tuple(tree["free"].split(","))
         wave_number = float(tree["wave_number"])
-        weights = _weights(wave_number, bool(tree["large_tension"]))
+        weights = weights_of(wave_number, bool(tree["large_tension"]))
         discretization = Discretization(problem, scheme, tree["mesh"], tree["parameters"], free, weights)
-        return cls(discretization, reference, float(tree["tolerance"]), int(tree["cells"]), tree["fixed"], wave_number)
+        return cls(
+            discretization, reference, float(tree["tolerance"]), int(tree["cells"]), fixed_of_tree(tree), wave_number
+        )
 
     def axial_force_spread(self, u: Array) -> float:
         """Largest minus smallest axial force at the mesh points: zero on an exact solution, a free error measure."""
@@ -317,7 +374,7 @@ class PearlProblem:
         return float(np.ptp(force))
 
 
-def _weights(wave_number: float, large_tension: bool) -> Array | None:
+def weights_of(wave_number: float, large_tension: bool) -> Array | None:
     """Weights of states and parameters, of a full cell's too, in the inner product; None where all are 1.
 
     With ``k`` the wave number, ``h`` is of size ``k`` on short pearls, ``w`` and both multipliers are of size ``k^2``; slopes
@@ -328,121 +385,3 @@ def _weights(wave_number: float, large_tension: bool) -> Array | None:
     states = (0, 0, -3, -4) if large_tension else (0, 0, -1, -2)
     parameters = (0, 2, 0, -1, 0, 0, 0) if large_tension else (0, -2, -2, -1, 0, 0, 0)
     return np.asarray(wave_number ** (2.0 * np.array(states + parameters)))
-
-
-@cache
-def _uniform_mesh(intervals: int) -> Array:
-    mesh = np.linspace(0.0, 1.0, intervals + 1)
-    mesh.flags.writeable = False
-    return mesh
-
-
-def pearling_onset(
-    tube: Tube, m: int = 1, *, intervals: int = 8, degree: int = 6, tolerance: float = 1e-9
-) -> tuple[PearlProblem, Array, Array]:
-    """The straight cylinder where pearls of period ``L/m`` branch off, and the direction in which they do.
-
-    Args:
-        tube: the straight tube.
-        m: number of pearls on it; the problem is that of one of them.
-        intervals: of the first mesh on the half cell.
-        degree: Gauss points an interval.
-        tolerance: of the profile, for remeshing.
-
-    Returns:
-        The half-cell problem, the unknown at onset and the unit tangent of the pearls, thick at ``sigma = 0``. The
-        Jacobian there is singular twice over: pearls and cylinders cross.
-
-    Raises:
-        ValueError: the period is ``2 pi`` exactly, where pearls branch off nowhere (``k = 1``).
-    """
-    k = tube.wave_number(m)
-    onset = float(critical_lambda2(k, 0, tube.c0))
-    if math.isnan(onset):
-        raise ValueError("period: pearls of period 2 pi (k = 1) branch off nowhere; take a longer or shorter period")
-    half = tube.length / m / 2
-    parameters = np.array([half, cylinder_lambda1(onset, tube.c0), onset, tube.c0, half, 1.0])
-    free = ("arclength", "lambda1", "lambda2", "v")
-    short = max(k / SHORT_WAVE, 1.0)
-    weights = _weights(short, False)
-    discretization = Discretization(
-        HALF_CELL, gauss_scheme(degree), _uniform_mesh(intervals), parameters, free, weights
-    )
-    x = half * all_points(discretization.mesh, discretization.scheme)
-    one = np.ones_like(x)
-    u = discretization.pack(np.column_stack((one, 0 * one, one / 2, 0 * one)), parameters)
-    # delta r = cos kx, psi = delta r', delta h = (k^2 - 1)/2 cos kx (errata: remark rerem1), w = delta h'
-    bend = (k**2 - 1) / 2
-    wave = np.column_stack((np.cos(k * x), -k * np.sin(k * x), bend * np.cos(k * x), -bend * k * np.sin(k * x)))
-    tangent = discretization.pack(wave, np.zeros_like(parameters))
-    tangent /= math.sqrt(discretization.inner(tangent, tangent))
-    return PearlProblem(discretization, None, tolerance, cells=m, wave_number=short), u, tangent
-
-
-_MIRROR = np.array([1.0, -1.0, 1.0, -1.0])
-"""What a plane of reflection does to ``r, psi, h, w``."""
-
-
-def full_cell_problem(problem: PearlProblem, u: Array, *tangents: Array) -> tuple[PearlProblem, list[Array]]:
-    """The full-cell problem around a solution of the half cell; that solution and tangents of it mirrored into it.
-
-    Returns:
-        The problem, with the solution as reference of its phase, and the vectors in it, ``u`` first.
-    """
-    half = problem.discretization
-    p = half.all_parameters(u)
-    mesh = np.append(half.mesh / 2, 1 - half.mesh[-2::-1] / 2)
-    parameters = np.append(p * _scale(2), 0.0)
-
-    def mirrored(values: Array) -> Array:
-        return np.vstack((values, (values[::-1] * _MIRROR)[1:]))
-
-    states = PiecewisePolynomial(mesh, mirrored(half.values(u)))
-    slopes = np.asarray(axisymmetric.rhs(states.points, states.values, parameters))
-    reference = PiecewisePolynomial(mesh, slopes)
-    whole = Discretization(full_cell(reference), half.scheme, mesh, parameters, (*half.free, "drag"), half.weights)
-    moved = []
-    for vector in (u, *tangents):
-        free = vector[vector.size - len(half.free) :] * _scale(2)[half.free_index]
-        moved.append(np.concatenate((mirrored(half.values(vector)).ravel(), free, [0.0])))
-    return replace(problem, discretization=whole, reference=reference), moved
-
-
-def unrolled(problem: PearlProblem, cells: int, centre: Centre, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
-    """Half-cell solutions as solutions of period ``cells`` times as long, on the half of that from a plane of reflection.
-
-    In this larger space periods may differ from each other: where pearls lose stability to a Bloch wave, the branch of
-    the localized pearl leaves in it, centred on a pearl or on a neck (design, §6).
-
-    Args:
-        problem: pearls on the half cell.
-        cells: how many periods become one; it divides ``problem.cells``.
-        centre: what stands at the first plane of reflection.
-        vectors: solutions or tangents.
-
-    Raises:
-        ValueError: the tube does not hold a multiple of that many cells, or the problem is not that of a half cell.
-    """
-    if problem.cells % cells or not problem.half:
-        raise ValueError(
-            f"cells: {cells} periods do not divide a tube of {problem.cells}, or have no planes of reflection"
-        )
-    d = problem.discretization
-    order = [(i + (centre == "neck")) % 2 for i in range(cells)]  # 0: pearl to neck, 1: neck to pearl
-    meshes = [(i + (d.mesh[1:] if way == 0 else 1 - d.mesh[-2::-1])) / cells for i, way in enumerate(order)]
-    mesh = np.concatenate((np.zeros(1), *meshes))
-    mesh[-1] = 1.0
-    discretization = replace(d, mesh=mesh, parameters=d.parameters * _scale(cells))
-    moved = []
-    for vector in vectors:
-        forth = d.values(vector)
-        back = forth[::-1] * _MIRROR
-        parts = [(forth, back)[way][min(i, 1) :] for i, way in enumerate(order)]
-        free = vector[vector.size - len(d.free) :] * _scale(cells)[d.free_index]
-        moved.append(np.concatenate((np.vstack(parts).ravel(), free)))
-    return replace(problem, discretization=discretization, cells=problem.cells // cells), moved
-
-
-def _scale(cells: int) -> Array:
-    """Factors of the parameters when several cells become one."""
-    return np.array([cells if name in ("arclength", "length") else 1.0 for name in axisymmetric.PARAMETERS])

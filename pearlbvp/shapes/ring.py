@@ -1,17 +1,7 @@
 """Rings, the wrinkled tubes, as ``continuation`` takes them: plane elasticae under pressure by collocation.
 
-A ring of ``n`` lobes is its half lobe, from tip to waist (``theory.elastica`` has the equation and its exact solution). It is
-solved in the unit of length ``2/n`` radii, in which half a lobe is ``pi/2`` long for every ``n`` and its numbers do not grow
-with ``n``: states ``psi, kappa, slope`` (turn of the tangent, curvature, its derivative), by ``t = 2 s/pi`` in [0, 1],
-
-    psi' = (pi/2) kappa    kappa' = (pi/2) slope    slope' = (pi/2) (a kappa + p - kappa^3/2),
-
-``psi = slope = 0`` at the tip, ``psi = pi/n, slope = 0`` at the waist. Force balance makes the position times ``p`` the force
-turned by a right angle, hence the enclosed area a mean over the arc, with no position among the states:
-
-    mean of (kappa^2/2 - a) = (n/2) p v.
-
-Five conditions for three states and ``a, p, v`` leave a curve of solutions. Neither ``c0`` nor the tube's length is in it.
+A ring of ``n`` lobes is its half lobe (``shapes.lobe``; ``theory.elastica`` has its exact solution). Neither ``c0`` nor the
+tube's length is in its equation: shapes do not depend on them, energy, tension and stability do.
 """
 
 from __future__ import annotations
@@ -19,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, get_args
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +17,6 @@ from scipy.optimize import brentq
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import (
-    BoundaryValueProblem,
     Discretization,
     equidistribute,
     error_estimate,
@@ -35,66 +24,42 @@ from pearlbvp.collocation import (
     intervals_for,
 )
 from pearlbvp.collocation.polynomial import all_points
+from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.helfrich import Fixed, Tube
+from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Fixed, Tube, WaveNumbers
+from pearlbvp.membrane import (
+    AROUND,
+    Family,
+    Grid,
+    MembraneProblem,
+    Start,
+    Surface,
+    checked_tolerance,
+    fixed_of_tree,
+    of_sections,
+)
+from pearlbvp.newton import NewtonOptions
 from pearlbvp.projection import of_section
 from pearlbvp.representation import brief
+from pearlbvp.shapes.lobe import HALF_LOBE
 from pearlbvp.stability.planar import PlanarBlock, PlaneProfile, planar_rates, planar_spectrum
 from pearlbvp.theory.elastica import lobes
+from pearlbvp.tube.modes import Mode
+from pearlbvp.tube.problem import TubeProblem
+from pearlbvp.tube.symmetry import ODD_PHI, ring_symmetry
+from pearlbvp.units import Sentence
 
-QUARTER = math.pi / 2
-
-
-def _rhs(t: Array, y: Array, p: Array) -> Array:
-    _, kappa, slope = y.T
-    return QUARTER * np.column_stack((kappa, slope, p[1] * kappa + p[2] - kappa**3 / 2))
-
-
-def _rhs_jacobian(t: Array, y: Array, p: Array) -> tuple[Array, Array]:
-    by_y, by_p = np.zeros((len(y), 3, 3)), np.zeros((len(y), 3, 4))
-    by_y[:, 0, 1] = by_y[:, 1, 2] = QUARTER
-    by_y[:, 2, 1] = QUARTER * (p[1] - 1.5 * y[:, 1] ** 2)
-    by_p[:, 2, 1], by_p[:, 2, 2] = QUARTER * y[:, 1], QUARTER
-    return by_y, by_p
-
-
-def _boundary(ya: Array, yb: Array, p: Array) -> Array:
-    return np.array([ya[0], ya[2], yb[0] - math.pi / p[0], yb[2]])
-
-
-def _boundary_jacobian(ya: Array, yb: Array, p: Array) -> tuple[Array, Array, Array]:
-    by_ya, by_yb, by_p = np.zeros((4, 3)), np.zeros((4, 3)), np.zeros((4, 4))
-    by_ya[0, 0] = by_ya[1, 2] = by_yb[2, 0] = by_yb[3, 2] = 1.0
-    by_p[2, 0] = math.pi / p[0] ** 2
-    return by_ya, by_yb, by_p
-
-
-def _virial(t: Array, y: Array, p: Array) -> Array:
-    return np.asarray(y[:, 1:2] ** 2 / 2 - p[1] - p[0] / 2 * p[2] * p[3])
-
-
-def _virial_jacobian(t: Array, y: Array, p: Array) -> tuple[Array, Array]:
-    by_y = np.zeros((len(y), 1, 3))
-    by_y[:, 0, 1] = y[:, 1]
-    by_p = np.array([-p[2] * p[3] / 2, -1.0, -p[0] / 2 * p[3], -p[0] / 2 * p[2]])
-    return by_y, np.broadcast_to(by_p, (len(y), 1, 4))
-
-
-HALF_LOBE = BoundaryValueProblem(
-    states=("psi", "kappa", "slope"),
-    parameters=("n", "a", "p", "v"),
-    rhs=_rhs,
-    rhs_jacobian=_rhs_jacobian,
-    boundary=_boundary,
-    boundary_jacobian=_boundary_jacobian,
-    integrand=_virial,
-    integrand_jacobian=_virial_jacobian,
-)
 FREE = ("a", "p", "v")
+
+CONTACT = "the ring touches itself; beyond, it would pass through itself"
+
+RESOLVED = 1e-4
+"""Error of growth rates beyond which a branch ends rather than count wrongly."""
 
 
 @dataclass(frozen=True)
-class RingProblem:
+class RingProblem(MembraneProblem):
     """Rings of ``n`` lobes on a mesh, as ``continuation`` takes them: ``residual(u) = 0`` is a curve.
 
     Attributes:
@@ -108,7 +73,13 @@ class RingProblem:
     __repr__ = brief
 
     stored_as: ClassVar[str] = "ring"
-    family: ClassVar[str] = "ring"
+    family = "ring"
+    block: ClassVar[Any] = PlanarBlock
+    why_fixed: ClassVar[str] = (
+        "the shape of rings does not depend on {name}; for where it exchanges stability, see "
+        "pearlbvp.studies.ring_onsets in Python"
+    )
+    drawn = "section"
 
     discretization: Discretization
     n: int
@@ -212,7 +183,7 @@ class RingProblem:
         discretization, moved = d.on_mesh(mesh, u, *others)
         return replace(self, discretization=discretization), moved
 
-    def adopt(self, other: RingProblem, u: Array) -> Array:
+    def transfer(self, other: RingProblem, u: Array) -> Array:
         """An unknown that lives on another problem's mesh, moved onto this one's."""
         if np.array_equal(other.discretization.mesh, self.discretization.mesh):
             return u
@@ -220,18 +191,9 @@ class RingProblem:
         return moved
 
     @property
-    def own_block(self) -> PlanarBlock:
+    def trivial_block(self) -> PlanarBlock:
         """Perturbations that keep all symmetries of the ring."""
         return PlanarBlock(0, 0, self.n, "even")
-
-    @property
-    def conserved(self) -> str:
-        """What perturbations keep and the branch does not."""
-        return "v" if self.fixed == "area and volume" else "lambda2"
-
-    def poles(self, u: Array) -> Mapping[str, float]:
-        """None: the multipliers stay finite."""
-        return {}
 
     def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit the tube."""
@@ -250,12 +212,82 @@ class RingProblem:
         curve = self.outline(u, points)
         return curve.real, curve.imag
 
-    def wave(self, u: Array) -> float:
+    def largest_wave(self, u: Array) -> float:
         """``2 A`` of the largest wave (``projection``): the first of the lobes."""
         profile, points = self.profile(u), 256 * self.n
         sigma = (np.arange(points) + 0.5) * 2 * self.n / points  # a waist that touches the centre is none of them
         step = 1j * np.exp(1j * profile.at(sigma)[:, 0]) * 2 * math.pi / points
         return of_section(profile.curve(sigma), step).wave(0.0, (0, 4 * self.n))
+
+    def to_draw(self, u: Array) -> Grid:
+        """The cylinder over the section."""
+        return self.profile(u).surface(self.length, along=max(2, round(4 * self.length)) + 1, around=97)
+
+    def parametrized(self, u: Array) -> Surface:
+        """Points by ``x`` and arclength around."""
+        return of_sections(lambda x: self.section(u, x, AROUND + 1))
+
+    def curve(self, u: Array, samples: int) -> dict[str, Array]:
+        """The section, closed: ``y, z, psi`` (the tangent's angle), ``H``."""
+        section, sigma = self.profile(u), np.linspace(0, 2 * self.n, samples + 1)
+        points, (psi, kappa, _) = section.curve(sigma), section.at(sigma).T
+        return {"y": points.real, "z": points.imag, "psi": psi, "H": kappa / 2}
+
+    @property
+    def walls(self) -> Mapping[str, tuple[float, str]]:
+        """No ring goes on where it touches itself."""
+        return {"gap": (0.0, CONTACT)}
+
+    def limit(self, observed: Mapping[str, float], spectrum: Spectrum) -> str | None:
+        """A spectrum that is not resolved."""
+        if spectrum.residual > RESOLVED:
+            text = "its spectrum is known to {rate:.0e} only; take a smaller tolerance"
+            return Sentence(text, rate=spectrum.residual)
+        return None
+
+    def lift(self, block: PlanarBlock, centre: str, *vectors: Array) -> tuple[TubeProblem, list[Array]]:
+        """Rings and their tangents in reduced modes, in the space of a block: of waves along the tube on the wrinkles.
+
+        Args:
+            block: of the ring's.
+            centre: not used; blocks leave no choice.
+            vectors: a ring, then its tangent.
+
+        Raises:
+            InputError: the ring's section is not star-shaped about its centre.
+        """
+        u, tangent = vectors
+        problem, *moved = self.in_modes(u, tangent)
+        number = problem.symmetry.block(block.j, block.c, ODD_PHI if block.parity == "odd" else 0)
+        return problem.lift(number, centre, *moved)
+
+    def in_modes(self, u: Array, tangent: Array) -> tuple[TubeProblem, Array, Array]:
+        """A ring in reduced modes: problem, unknown and unit tangent of the branch of rings.
+
+        Raises:
+            InputError: its section is not star-shaped about its centre.
+        """
+        lambda1, lambda2 = self._multipliers(u)
+        v = float(u[-1])
+        problem = TubeProblem(ring_symmetry(self.n), self.c0, self.length, (0, 8), fixed=self.fixed)
+        while True:
+            try:
+                radii = self.radius_cosines(u, problem.size[1] + 1)
+            except ValueError:
+                raise InputError(
+                    f"switch: at v = {v:.4f} the ring is not star-shaped about its centre, as tubes need it"
+                ) from None
+            known = {Mode("sigma", 0, "cos", self.n * i): float(a) for i, a in enumerate(radii)}
+            guess = np.append(problem.packed(known), [lambda1, lambda2, v])
+            moved = problem.remesh(guess)
+            if moved is None:
+                break
+            problem = moved[0]
+        result, direction = correct_at(problem, guess, NewtonOptions(max_iterations=10))
+        if not result.converged:
+            raise InputError(f"switch: the ring at v = {v:.4f} could not be taken over ({result.message})")
+        direction *= np.sign(tangent[-1])  # v is the last unknown of both
+        return problem, result.u, direction / np.sqrt(problem.inner(direction, direction))
 
     def first_integral_spread(self, u: Array) -> float:
         """Largest minus smallest ``kappa'^2 + kappa^4/4 - a kappa^2 - 2 p kappa`` at the mesh points: a free error measure."""
@@ -310,11 +342,9 @@ class RingProblem:
         Raises:
             ValueError: the tree describes no rings.
         """
-        if tree["fixed"] not in get_args(Fixed):
-            raise ValueError(f"fixed: {tree['fixed']!r} is none of {get_args(Fixed)}")
         tube, n = Tube(float(tree["c0"]), float(tree["length"])), lobes(tree["n"])
         discretization = _discretization(n, tree["mesh"], int(tree["degree"]))
-        return cls(discretization, n, tube.c0, tube.length, float(tree["tolerance"]), tree["fixed"])
+        return cls(discretization, n, tube.c0, tube.length, float(tree["tolerance"]), fixed_of_tree(tree))
 
 
 def _discretization(n: int, mesh: Array, degree: int) -> Discretization:
@@ -359,3 +389,18 @@ def ring_onset(
     tangent = d.pack(wave, np.zeros(4))
     tangent /= math.sqrt(d.inner(tangent, tangent))
     return RingProblem(d, n, tube.c0, tube.length, tolerance, fixed), u, tangent
+
+
+def ring_start(tube: Tube, mode: WaveNumbers, fixed: Fixed, tolerance: float | None) -> Start:
+    """The straight tube where rings of a mode leave it.
+
+    Raises:
+        InputError: there are no such rings.
+    """
+    m, n = mode
+    if m != 0:
+        raise InputError(f"mode: rings do not depend on x, so {m},{n} is none of them; give 0,{n}")
+    return ring_onset(tube, n, tolerance=checked_tolerance(tolerance, 1e-10), fixed=fixed)
+
+
+FAMILIES = (Family("ring", (0, 2), "0,n", ring_start, RingProblem, accurate=True),)

@@ -8,6 +8,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import PiecewisePolynomial
+from pearlbvp.membrane import Surface
 from pearlbvp.projection import Projection
 from pearlbvp.representation import brief
 
@@ -64,6 +65,30 @@ class Profile:
         x, r = self.outline()
         angle = np.linspace(0, 2 * np.pi, around + 1)
         return np.repeat(x[:, None], around + 1, axis=1), np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))
+
+    def parametrized(self) -> Surface:
+        """Points by ``x``, the arclength scaled to the length, and ``phi``."""
+        states = self.mirrored().states
+        along = PiecewisePolynomial(states.mesh, self.outline()[0][:, None])
+
+        def points(x: Array, phi: Array) -> Array:
+            period = np.floor(x / self.period)
+            sigma = x / self.period - period
+            r = states(sigma)[:, 0]
+            return np.column_stack((along(sigma)[:, 0] + self.period * period, r * np.cos(phi), r * np.sin(phi)))
+
+        return points
+
+    def curve(self, periods: int, samples: int) -> dict[str, Array]:
+        """``x, r, psi, H`` of some periods at equal steps of arclength, ``samples`` a period; the last point closes it."""
+        whole = self.mirrored()
+        along = PiecewisePolynomial(whole.states.mesh, whole.outline()[0][:, None])
+        sigma = np.linspace(0, 1, samples + 1)
+        period = np.column_stack((along(sigma), whole.states(sigma)[:, :3]))
+        shift = np.array([self.period, 0.0, 0.0, 0.0])
+        rows = [period[:-1] + i * shift for i in range(periods)]
+        columns = np.concatenate((*rows, period[:1] + periods * shift)).T
+        return dict(zip(("x", "r", "psi", "H"), columns, strict=True))
 
     def mirrored(self) -> Profile:
         """The whole period as one piecewise polynomial."""

@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.continuation.branch import Branch, BranchPoint, SpecialPoint
-from pearlbvp.continuation.path import Point
+from pearlbvp.continuation.branch import Branch, SpecialPoint
+from pearlbvp.continuation.problem import Problem
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, positive
+from pearlbvp.helfrich import Tube, WaveNumbers, positive
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation, exchange_lengths, meeting_c0
-from pearlbvp.theory.dispersion import WaveNumbers, critical_lambda2, growth_rate, stable_interval
+from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, stable_interval
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,20 +67,38 @@ def coefficients(c0: float, length: float, modes: Iterable[WaveNumbers]) -> pd.D
 
 
 @dataclass(frozen=True)
-class Prediction:
-    """A predicted branch as ``Branch`` wants its problem: the unknown is the amplitude, ``[A]``."""
+class Prediction(Problem):
+    """A predicted branch as a problem of one unknown, the amplitude ``[A]``, and no equation: it holds for each."""
 
     equation: AmplitudeEquation
-    family: Family
+    kind: Family
+    headline = ("c0", "L", "v")
+
+    @property
+    def family(self) -> str:
+        """That of the predicted shapes."""
+        return self.kind
+
+    def residual(self, u: Array) -> Array:
+        """Nothing."""
+        return np.zeros(0)
+
+    def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
+        """With the border alone."""
+        return rhs if row is None else rhs / row[0]
+
+    def inner(self, u: Array, v: Array) -> float:
+        """Product of the amplitudes."""
+        return float(u @ v)
 
     def observables(self, u: Array) -> dict[str, float]:
         """The columns of a branch, to leading order in the amplitude."""
         tube = self.equation.tube
-        return self.equation.at(self.family, float(u[0])) | {"c0": tube.c0, "L": tube.length}
+        return self.equation.at(self.kind, float(u[0])) | {"c0": tube.c0, "L": tube.length}
 
-    def wave(self, u: Array) -> float:
-        """``2 A``."""
-        return 2 * float(u[0])
+    def further(self, u: Array) -> dict[str, float]:
+        """``wave``: ``2 A``."""
+        return {"wave": 2 * float(u[0])}
 
 
 class Wave(NamedTuple):
@@ -153,8 +172,8 @@ def predicted_branch(
         rates = others | ({itself: np.array([own * A**2])} if own else {})
         spectrum = Spectrum(rates, math.nan, neutral=0.0)  # a prediction does not know its error
         u = np.array([A])
-        found.append(BranchPoint(Point(problem, u, np.ones(1), problem.observables(u)), spectrum))  # type: ignore[type-var]
-    special: list[SpecialPoint[Any]] = [SpecialPoint("start", 0), SpecialPoint("end", points - 1)]
+        found.append(Solution(problem, u, np.ones(1), known=spectrum))
+    special: list[SpecialPoint] = [SpecialPoint("start", 0), SpecialPoint("end", points - 1)]
     return Branch(found, special, f"the amplitude is {largest:g}", True)
 
 

@@ -9,15 +9,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from pearlbvp.continuation.branch import Branch, BranchOptions
+from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, finite
-from pearlbvp.studies.branch import COLUMNS, branch_options, pearl_branch
+from pearlbvp.helfrich import Tube, WaveNumbers, finite
+from pearlbvp.studies.branch import COLUMNS, branch_options, family_branch
 from pearlbvp.studies.dispersion import branch_points
-from pearlbvp.studies.ring import ring_branch
-from pearlbvp.studies.saved import kind_of, switched
-from pearlbvp.studies.tube import tube_branch
-from pearlbvp.theory.dispersion import WaveNumbers
+from pearlbvp.studies.onward import switched
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -130,7 +128,7 @@ def diagram(
                 skipped[name] = f"it is the branch {twin}"
                 continue
             branches[name] = branch
-            kept = wanted["pearl"] if kind_of(branch) == "pearl" else wanted[MIXED]
+            kept = wanted["pearl"] if branch.points[-1].problem.family == "pearl" else wanted[MIXED]
             tasks |= {child: (_secondary, (branch, *which, kept)) for child, *which in _children(name, branch)}
     order = list(primary)
 
@@ -191,20 +189,15 @@ def _all_done(tasks: Sequence[_Task], processes: int) -> Sequence[Branch[Any] | 
     return [function(*arguments) for function, arguments in tasks]
 
 
-def _primary(tube: Tube, family: Any, mode: WaveNumbers, options: BranchOptions) -> Branch[Any] | str:
+def _primary(tube: Tube, family: str, mode: WaveNumbers, options: BranchOptions) -> Branch[Any] | str:
     """The branch of a family that leaves the cylinder at a mode."""
-    m, n = mode
     try:
-        if family == "pearl":
-            return pearl_branch(tube.c0, tube.length, m, options)
-        if family == "ring":
-            return ring_branch(tube.c0, tube.length, n, options)
-        return tube_branch(tube.c0, tube.length, family, mode, options)
+        return family_branch(tube, family, mode, options)
     except InputError as error:
         return str(error)
 
 
-def _secondary(branch: Branch[Any], number: int, centre: str, options: BranchOptions) -> Branch[Any] | str:
+def _secondary(branch: Branch[Any], number: int, centre: Any, options: BranchOptions) -> Branch[Any] | str:
     """The branch that crosses another at its branch point ``number``."""
     try:
         return switched(branch, number, options, centre=centre)
@@ -216,7 +209,7 @@ def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, str]]:
     """Names, numbers and centres of what branches off a branch."""
     for number, special in enumerate(branch.find("bp"), start=1):
         yield f"{name}/{number}", number, "pearl"
-        if kind_of(branch) == "pearl" and special.block.parity is None:
+        if branch.points[-1].problem.family == "pearl" and special.block.parity is None:
             yield f"{name}/{number} neck", number, "neck"
 
 

@@ -10,16 +10,14 @@ import numpy as np
 import pandas as pd
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.continuation.branch import Branch
-from pearlbvp.continuation.events import SAME_VALUE, value_of
-from pearlbvp.continuation.path import Point
+from pearlbvp.continuation.events import SAME_VALUE
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
 from pearlbvp.mesh.periodic import PeriodicMesh
-from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.branch import STOPS
-from pearlbvp.studies.mesh import NODES, surface_points
+from pearlbvp.studies.mesh import NODES
 from pearlbvp.studies.point import special_place
 
 SAMPLES = 400
@@ -58,7 +56,7 @@ def stored(branch: Branch[Any], name: str) -> tuple[int, str]:
     column, value = column.strip(), finite("point", text)  # type: ignore[arg-type]
     if column not in STOPS:
         raise InputError(f"point: {column!r} is no column with numbers of a shape; choose one of {', '.join(STOPS)}")
-    found = [value_of(entry.point, column, entry.spectrum) for entry in branch.points]
+    found = [entry.value(column) for entry in branch.points]
     at = _nearest(found, value)
     if at is None:
         known = [number for number in found if not math.isnan(number)]
@@ -86,7 +84,7 @@ def _nearest(values: Sequence[float], wanted: float) -> int | None:
     return None
 
 
-def profile_table(point: Point[Any], samples: int = SAMPLES) -> pd.DataFrame:
+def profile_table(point: Solution[Any], samples: int = SAMPLES) -> pd.DataFrame:
     """The curve that a shape is made of, in radii.
 
     Args:
@@ -103,33 +101,11 @@ def profile_table(point: Point[Any], samples: int = SAMPLES) -> pd.DataFrame:
     """
     if samples < 4:
         raise InputError(f"samples: {samples} are no curve; give 4 or more")
-    problem = getattr(point.problem, "base", point.problem)
-    if problem.stored_as == "pearl":
-        return _axisymmetric(problem.profile(point.u), point.observables["L"], samples)
-    if problem.stored_as == "ring":
-        section = problem.profile(point.u)
-        sigma = np.linspace(0, 2 * problem.n, samples + 1)
-        curve, (psi, kappa, _) = section.curve(sigma), section.at(sigma).T
-        return pd.DataFrame({"y": curve.real, "z": curve.imag, "psi": psi, "H": kappa / 2})
-    if problem.stored_as == "tube" and problem.symmetry.period == 0:
-        y, z = problem.section(point.u, 0.0, samples + 1)
-        return pd.DataFrame({"y": y, "z": z})
-    raise InputError(
-        f"profile: a {problem.family} is made of no single curve; write its surface (--surface FILE.vtu, or .csv)"
-    )
+    columns: dict[str, Array] = point.problem.shapes.curve(point.u, samples)
+    return pd.DataFrame(columns)
 
 
-def _axisymmetric(profile: Profile, length: float, samples: int) -> pd.DataFrame:
-    whole, count = profile.mirrored(), round(length / profile.period)
-    along = PiecewisePolynomial(whole.states.mesh, whole.outline()[0][:, None])
-    sigma = np.linspace(0, 1, samples + 1)
-    period = np.column_stack((along(sigma), whole.states(sigma)[:, :3]))
-    shift = np.array([profile.period, 0.0, 0.0, 0.0])
-    rows, last = [period[:-1] + i * shift for i in range(count)], period[:1] + count * shift
-    return pd.DataFrame(np.concatenate((*rows, last)), columns=["x", "r", "psi", "H"])
-
-
-def surface_table(point: Point[Any], nodes: int = NODES) -> pd.DataFrame:
+def surface_table(point: Solution[Any], nodes: int = NODES) -> pd.DataFrame:
     """Points of a surface, in radii: a grid whose rows ``i`` run along the tube and whose columns ``j`` run around it.
 
     Args:
@@ -140,14 +116,14 @@ def surface_table(point: Point[Any], nodes: int = NODES) -> pd.DataFrame:
         ``x, y, z, i, j``, of meshes ``x, y, z``. The grid is closed: its last column is the first, its last row the first
         one a period further.
     """
-    problem = getattr(point.problem, "base", point.problem)
-    if problem.stored_as == "mesh":
-        surface: PeriodicMesh = problem.surface(point.u)
-        return pd.DataFrame(surface.reduced().vertices, columns=["x", "y", "z"])
+    problem = point.problem.shapes
+    own: PeriodicMesh | None = problem.own_mesh(point.u)
+    if own is not None:
+        return pd.DataFrame(own.reduced().vertices, columns=["x", "y", "z"])
     length = point.observables["L"]
     around = max(8, round(math.sqrt(nodes * 2 * math.pi / length)))
     rows = max(8, round(nodes / around))
     i, j = (part.ravel() for part in np.meshgrid(np.arange(rows + 1), np.arange(around + 1), indexing="ij"))
-    found: Array = surface_points(problem, point.u)(length * (i % rows) / rows, 2 * math.pi * (j % around) / around)
+    found: Array = problem.parametrized(point.u)(length * (i % rows) / rows, 2 * math.pi * (j % around) / around)
     found[i == rows, 0] += length
     return pd.DataFrame({"x": found[:, 0], "y": found[:, 1], "z": found[:, 2], "i": i, "j": j})

@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, SpecialPoint, continue_branch, start_point
-from pearlbvp.continuation.path import Point, correct_at
+from pearlbvp.continuation.branch import Branch, SpecialPoint
+from pearlbvp.continuation.following import BranchOptions, continue_branch
+from pearlbvp.continuation.path import correct_at
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
@@ -260,9 +262,6 @@ def _plane(graph: GraphFlow, q: Array) -> float:
 def stability(end: Equilibrium) -> Any:
     """Growth rates of all perturbations of a flow's end, those that break its symmetry too, at area ``2 pi L``.
 
-    Returns:
-        The spectrum of its family (``Spectrum``, ``TubeSpectrum``, ``MeshSpectrum``).
-
     Raises:
         InputError: the end state is no point of a branch; see ``solution_of``.
     """
@@ -270,7 +269,7 @@ def stability(end: Equilibrium) -> Any:
     return problem.spectrum(u)
 
 
-def end_point(result: FlowResult, *, upwards: bool = True) -> Point[Any]:
+def end_point(result: FlowResult, *, upwards: bool = True) -> Solution[Any]:
     """The end of a flow as a point of a branch, its tangent towards larger or smaller volume.
 
     Raises:
@@ -281,7 +280,7 @@ def end_point(result: FlowResult, *, upwards: bool = True) -> Point[Any]:
     problem, u = solution_of(result.equilibrium)
     direction = _by_volume(u) if upwards else -_by_volume(u)
     try:
-        return start_point(problem, u, tangent_along(problem, u, direction))
+        return Solution.along(problem, u, tangent_along(problem, u, direction))
     except np.linalg.LinAlgError:
         raise InputError("flow: its end is just where volume turns along its branch; let another shape flow") from None
 
@@ -304,6 +303,5 @@ def end_branch(result: FlowResult) -> Branch[Any]:
         InputError: as ``end_point``.
     """
     point = end_point(result)
-    special: list[SpecialPoint[Any]] = [SpecialPoint("start", 0), SpecialPoint("end", 0)]
-    entry = BranchPoint(point, point.problem.spectrum(point.u))
-    return Branch([entry], special, "it is the end of a flow", complete=True)
+    special: list[SpecialPoint] = [SpecialPoint("start", 0), SpecialPoint("end", 0)]
+    return Branch([point], special, "it is the end of a flow", complete=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import PiecewisePolynomial
-from pearlbvp.continuation.path import Point
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, constrained, flow
@@ -182,7 +182,7 @@ def tube_start(
         InputError: so few modes hold no such equilibrium, or an argument cannot be used.
     """
     found = problem.observables(u)
-    problem, u = problem.released(u, *problem.free)  # c0 and the length may vary on the branch
+    problem, u = problem.freeing(u, *problem.free)  # c0 and the length may vary on the branch
     tube = TubeFlow(problem.c0, problem.length, size, law, found["lambda2"] if law == "area" else 0.0)
     q = tube.coordinates(problem.modes, problem.coefficients(u), problem.k, problem.kappa)
     return _settled(tube, q, found)
@@ -210,7 +210,7 @@ def _settled(tube: TubeFlow, q: Array, found: Mapping[str, float]) -> FlowStart:
 
 
 def mesh_start(
-    point: Point[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision", law: Law = "area and volume"
+    point: Solution[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision", law: Law = "area and volume"
 ) -> FlowStart:
     """A solution of any family on a triangulated tube, an equilibrium of that discretization.
 

@@ -16,13 +16,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.continuation import Path, PathOptions, Point, follow
+from pearlbvp.continuation import Path, PathOptions, Solution, follow
 from pearlbvp.continuation.chebyshev import PathFunctions, Unresolved, resolve
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, positive
 from pearlbvp.numbers import as_numbers
 from pearlbvp.representation import brief
-from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
+from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.shapes.pearling import pearling_onset
 from pearlbvp.stability.floquet import alternating_determinants, multipliers
 from pearlbvp.stability.spectrum import spectrum
 from pearlbvp.theory.dispersion import StableInterval, stable_intervals
@@ -52,7 +53,7 @@ def _functions(problem: PearlProblem, u: Array) -> Array:
     return np.array([*(observed[name] for name in _FUNCTIONS[:4]), squared, even + odd, 4 * even * odd - 2])
 
 
-def _has_wave_around(point: Point[PearlProblem]) -> bool:
+def _has_wave_around(point: Solution[PearlProblem]) -> bool:
     """Whether a point has a neutral Bloch wave of ``n = 1`` or 2 at all, whether or not it fits a tube."""
     profile = point.problem.profile(point.u)
     for n in (1, 2):
@@ -102,10 +103,10 @@ class PeriodicPearls:
         check_pearls(fewest, 2)
         goal = 2 * math.cos(2 * math.pi / fewest)
         problem, u, tangent = pearling_onset(tube, intervals=intervals, degree=degree)
-        start = Point(problem, u, tangent, problem.observables(u))
+        start = Solution(problem, u, tangent)
         at_onset = _functions(problem, u)
 
-        def stop(point: Point[PearlProblem]) -> str | None:
+        def stop(point: Solution[PearlProblem]) -> str | None:
             here = _functions(point.problem, point.u)
             if here[_COSINE] < goal or here[_SUM] * at_onset[_SUM] < 0:
                 return "unstable"

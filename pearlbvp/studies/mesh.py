@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation import PiecewisePolynomial
-from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
-from pearlbvp.continuation.path import Point
-from pearlbvp.continuation.switching import switch, tangent_along
+from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.following import BranchOptions, continue_branch
+from pearlbvp.continuation.solution import Solution
+from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed, Tube, cylinder_energy, cylinder_lambda1
-from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.families import Surface, carried, tube_mesh
 from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
-from pearlbvp.mesh.start import Form, equilibrium, onset
-from pearlbvp.stability.profile import Profile
-from pearlbvp.studies.branch import branch_options, numbered
-from pearlbvp.theory.dispersion import WaveNumbers, critical_lambda2
+from pearlbvp.mesh.start import equilibrium
 
 NODES = 3000
 """Vertices of a mesh by default: four digits of the branch points of the straight tube."""
@@ -32,61 +25,9 @@ NODES = 3000
 SMALLEST_AMPLITUDE = 1e-6
 """Amplitude below which a shape is the straight tube."""
 
-AROUND = 256
-"""Points of a section from which those between them are interpolated."""
-
-
-def mesh_branch(
-    c0: float,
-    length: float,
-    family: Form,
-    mode: WaveNumbers,
-    nodes: int = NODES,
-    options: BranchOptions | None = None,
-    *,
-    kind: Kind = "subdivision",
-    adapt: AdaptOptions | None = None,
-    fixed: Fixed = "area and volume",
-) -> Branch[MeshProblem]:
-    """The branch that leaves the straight tube at a mode, on a triangulated surface, with stability.
-
-    Args:
-        c0: spontaneous curvature.
-        length: axial period of the tube, in radii.
-        family: ``pearl`` (mode ``m,0``), ``ring`` (``0,n``), ``coil`` or ``buckle`` (``m,n``).
-        mode: waves along and around the tube.
-        nodes: vertices of the mesh at first.
-        options: where to stop and how to step, from ``studies.branch.branch_options``.
-        kind: the discretization.
-        adapt: when and how the mesh is adapted on the way.
-        fixed: what the perturbations keep that stability is judged by.
-
-    Returns:
-        The branch; its table has the columns of a branch of pearls.
-
-    Raises:
-        InputError: an argument that cannot be used.
-    """
-    tube = Tube(c0, length)
-    problem, u, direction = onset(
-        tube, family, *mode, tube_mesh(tube.length, nodes, coil=mode if family == "coil" else None), kind
-    )
-    problem = replace(problem, adapt=adapt or AdaptOptions(), fixed=fixed).symmetric(u, direction)
-    start = start_point(problem, u, direction)
-    exact = straight_values(tube, float(critical_lambda2(tube.wave_number(mode[0]), mode[1], tube.c0)))
-    return continue_branch(start, options or branch_options(), at_bifurcation=True, exact=exact)
-
-
-def straight_values(tube: Tube, lambda2: float) -> dict[str, float]:
-    """The straight tube's own numbers, which a mesh of it has to its accuracy only."""
-    return {
-        "lambda1": cylinder_lambda1(lambda2, tube.c0), "lambda2": lambda2, "v": 1.0, "E": cylinder_energy(tube.c0),
-        "amplitude": 0.0, "r_min": 1.0, "r_max": 1.0, "wave": 0.0,
-    }  # fmt: skip
-
 
 def meshed(
-    point: BranchPoint[Any] | Point[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision"
+    point: Solution[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision"
 ) -> tuple[MeshProblem, Array]:
     """The equilibrium on a mesh at the reduced volume of a computed shape; of a shape on a mesh itself.
 
@@ -102,7 +43,6 @@ def meshed(
     Raises:
         InputError: the mesh is too coarse for the shape, or that is the straight tube.
     """
-    point = point.point if isinstance(point, BranchPoint) else point
     found = point.observables
     if found["amplitude"] < SMALLEST_AMPLITUDE:
         raise InputError(
@@ -116,7 +56,7 @@ def meshed(
     )
 
 
-def shape_mesh(point: BranchPoint[Any] | Point[Any], nodes: int | PeriodicMesh = NODES) -> PeriodicMesh:
+def shape_mesh(point: Solution[Any], nodes: int | PeriodicMesh = NODES) -> PeriodicMesh:
     """A mesh with its vertices on a computed shape; of a shape on a mesh its own triangles.
 
     Args:
@@ -126,15 +66,14 @@ def shape_mesh(point: BranchPoint[Any] | Point[Any], nodes: int | PeriodicMesh =
     Raises:
         InputError: so few nodes make no good triangles.
     """
-    point = point.point if isinstance(point, BranchPoint) else point
-    if isinstance(point.problem, MeshProblem):
-        return point.problem.surface(point.u)
-    length = point.observables["L"]
-    surface = surface_points(point.problem, point.u)
+    problem = point.problem.shapes
+    own: PeriodicMesh | None = problem.own_mesh(point.u)
+    if own is not None:
+        return own
+    surface: Surface = problem.parametrized(point.u)
     if isinstance(nodes, PeriodicMesh):
         return carried(nodes, surface)
-    turns = point.problem.symmetry.turns if point.problem.stored_as == "tube" else 0
-    return tube_mesh(length, nodes, surface, (turns, 1) if turns else None)
+    return tube_mesh(point.observables["L"], nodes, surface, (problem.turns, 1) if problem.turns else None)
 
 
 def mesh_table(mesh: PeriodicMesh, c0: float, kind: Kind = "subdivision") -> pd.DataFrame:
@@ -184,64 +123,5 @@ def branch_from(
     direction = np.zeros_like(u)
     direction[-1] = 1.0 if upwards else -1.0
     problem = problem.symmetric(u)
-    start = start_point(problem, u, tangent_along(problem, u, direction))
+    start = Solution.along(problem, u, tangent_along(problem, u, direction))
     return continue_branch(start, options)
-
-
-def mesh_switched(
-    branch: Branch[MeshProblem], number: int, options: BranchOptions, *, grow: bool = True
-) -> Branch[MeshProblem]:
-    """The branch that crosses ``branch`` at its branch point ``number`` (the first is 1).
-
-    Args:
-        branch: a branch on meshes.
-        number: which of its branch points; those that shift or turn into each other come in twos, and lead to one branch.
-        options: where to stop and how to step.
-        grow: follow the half on which the tube grows in the middle of the period.
-
-    Raises:
-        InputError: there is no such branch point, or it was not located.
-    """
-    return switch(branch, numbered(branch, number), options, grow=grow)
-
-
-def surface_points(problem: Any, u: Array) -> Surface:
-    """Points of a computed shape by two parameters: ``x``, from 0 to the length, and ``phi``."""
-    if problem.stored_as == "pearl":
-        return _of_profile(problem.profile(u))
-    if problem.stored_as == "tube":
-        problem, u = problem.released(u, "lambda1", "lambda2", "v")  # whatever varies, at the shape's own length
-    return _of_sections(lambda x: problem.section(u, x, AROUND + 1))
-
-
-def _of_profile(profile: Profile) -> Surface:
-    """An axisymmetric shape; the parameter ``x`` is the arclength, scaled to the length."""
-    whole = profile.mirrored()
-    states = whole.states
-    cosines = PiecewisePolynomial(states.mesh, np.cos(states.values[:, 1:2]))
-    along = PiecewisePolynomial(states.mesh, whole.arclength * cosines.integral())
-
-    def points(x: Array, phi: Array) -> Array:
-        period = np.floor(x / profile.period)
-        sigma = x / profile.period - period
-        r = states(sigma)[:, 0]
-        return np.column_stack((along(sigma)[:, 0] + profile.period * period, r * np.cos(phi), r * np.sin(phi)))
-
-    return points
-
-
-def _of_sections(section: Callable[[float], tuple[Array, Array]]) -> Surface:
-    """A shape with plane sections, each a closed curve by ``phi`` at equal distances."""
-
-    def points(x: Array, phi: Array) -> Array:
-        found = np.empty((len(x), 3))
-        for place in np.unique(x):
-            here = x == place
-            y, z = section(float(place))
-            wave = np.fft.fft(y[:-1] + 1j * z[:-1]) / (len(y) - 1)
-            numbers = np.fft.fftfreq(len(wave), 1 / len(wave))
-            curve = np.exp(1j * np.outer(phi[here], numbers)) @ wave
-            found[here] = np.column_stack((np.full(here.sum(), place), curve.real, curve.imag))
-        return found
-
-    return points

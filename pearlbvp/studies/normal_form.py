@@ -25,7 +25,7 @@ COLUMNS = ["number", "point", "block", "lambda2", "v", "form", "rate", "cubic", 
            "v_2", "E_2", "message"]  # fmt: skip
 
 
-def form_at(branch: Branch[PearlProblem], special: SpecialPoint[Any], centre: Centre = "pearl") -> NormalForm:
+def form_at(branch: Branch[PearlProblem], special: SpecialPoint, centre: Centre = "pearl") -> NormalForm:
     """The normal form of a branch point, in the space in which the new branch lives.
 
     Args:
@@ -38,16 +38,16 @@ def form_at(branch: Branch[PearlProblem], special: SpecialPoint[Any], centre: Ce
     """
     if special.kind != "bp" or not special.converged:
         raise ValueError(f"special: {special.kind} at point {special.index} is no located branch point")
-    point = branch.at(special).point
-    problem, (u, tangent) = point.problem.embed(special.block, centre, point.u, point.tangent)
-    breaks = special.block != point.problem.own_block
+    point = branch.at(special)
+    problem, (u, tangent) = point.problem.lift(special.block, centre, point.u, point.tangent)
+    breaks = special.block != point.problem.trivial_block
     return normal_form(problem, u, tangent, symmetric=breaks)
 
 
-def rate_by_volume(branch: Branch[PearlProblem], special: SpecialPoint[Any]) -> float:
+def rate_by_volume(branch: Branch[PearlProblem], special: SpecialPoint) -> float:
     """Derivative of the neutral growth rate of a branch point by the reduced volume, along the branch."""
     entry = branch.at(special)
-    problem, u, tangent = entry.point.problem, entry.point.u, entry.point.tangent
+    problem, u, tangent = entry.problem, entry.u, entry.tangent
     place = int(np.abs(problem.block_rates(u, special.block, entry.spectrum)).argmin())
 
     def beside(s: float) -> tuple[float, float]:
@@ -89,7 +89,7 @@ def normal_forms(branch: Branch[PearlProblem]) -> pd.DataFrame:
             continue
         row["form"] = "pitchfork" if form.pitchfork else "transcritical"
         row |= {f"{name}_2": value for name, value in form.quadratic.items()}
-        if form.pitchfork and special.block != branch.at(special).point.problem.own_block:
+        if form.pitchfork and special.block != branch.at(special).problem.trivial_block:
             row["rate"] = rate_by_volume(branch, special)
             row["cubic"] = -row["rate"] * row["v_2"]
             row["criticality"] = "supercritical" if row["cubic"] < 0 else "subcritical"

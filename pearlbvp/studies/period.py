@@ -10,7 +10,7 @@ from concurrent.futures.process import BrokenProcessPool
 import numpy as np
 import pandas as pd
 
-from pearlbvp.continuation import PathOptions, Point, follow
+from pearlbvp.continuation import PathOptions, Solution, follow
 from pearlbvp.continuation.chebyshev import Unresolved
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.segment import Segment
@@ -18,7 +18,8 @@ from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, positive
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
-from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
+from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.shapes.pearling import pearling_onset
 from pearlbvp.studies.localized import THINNEST_NECK, PeriodicPearls
 from pearlbvp.theory.dispersion import stable_interval
 
@@ -77,11 +78,11 @@ def _energy_at(tube: Tube, m: int, v: float) -> float | None:
     """``E/A`` of ``m`` equal pearls at reduced volume ``v``, where their branch first reaches it."""
     problem, u, tangent = pearling_onset(tube, m)
 
-    def stop(point: Point[PearlProblem]) -> str | None:
+    def stop(point: Solution[PearlProblem]) -> str | None:
         observed = point.observables
         return "there" if (observed["v"] - v) * (1 - v) <= 0 else "neck" if observed["r_min"] < THINNEST_NECK else None
 
-    path = follow(Point(problem, u, tangent, problem.observables(u)), PathOptions(max_step=1.0), stop)
+    path = follow(Solution(problem, u, tangent), PathOptions(max_step=1.0), stop)
     if path.reason != "there" or len(path.points) < 2:
         return None
     before, after = path.points[-2:]

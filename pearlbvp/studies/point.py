@@ -6,8 +6,9 @@ import itertools
 from typing import Any
 
 from pearlbvp.continuation.branch import Branch
-from pearlbvp.continuation.path import PathEnd, Point
+from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.segment import Segment
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
 from pearlbvp.units import Sentence
@@ -52,7 +53,7 @@ def special_place(branch: Branch[Any], name: str) -> int | None:
     return places[count - 1] if 1 <= count <= len(places) else None
 
 
-def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
+def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Solution[Any]:
     """A point of a branch.
 
     Args:
@@ -64,7 +65,7 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
     Raises:
         InputError: there is no such point.
     """
-    points = [entry.point for entry in branch.points]
+    points = [entry for entry in branch.points]
     try:
         number = int(name)
     except ValueError:

@@ -21,8 +21,8 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, cylinder_energy, cylinder_lambda1
-from pearlbvp.theory.dispersion import WaveNumbers, critical_lambda2, growth_rate, mode_type, stable_interval
+from pearlbvp.helfrich import Tube, WaveNumbers, cylinder_energy, cylinder_lambda1
+from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, mode_type, stable_interval
 
 Family = Literal["pearl", "ring", "coil", "buckle"]
 FAMILIES: dict[str, tuple[Family, ...]] = {

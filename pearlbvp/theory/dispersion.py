@@ -13,9 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pearlbvp.helfrich import Tube, finite
-
-WaveNumbers = tuple[int, int]
+from pearlbvp.helfrich import Tube, WaveNumbers, finite
 
 
 def growth_rate(k: ArrayLike, n: ArrayLike, lambda2: ArrayLike, c0: float) -> NDArray[np.float64]:

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from functools import partial
+from typing import Literal, get_args
 
 import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed, Tube
+from pearlbvp.helfrich import Fixed, Tube, WaveNumbers
+from pearlbvp.membrane import Family, Start
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import PLANE_TOLERANCE, TubeProblem
 from pearlbvp.tube.symmetry import buckle_symmetry, coil_symmetry, pearl_symmetry, ring_symmetry
 
-Family = Literal["pearl", "ring", "coil", "buckle"]
+Kind = Literal["pearl", "ring", "coil", "buckle"]
 
 
 def onset(
-    tube: Tube, family: Family, m: int, n: int, *, size: tuple[int, int] | None = None, fixed: Fixed = "area and volume"
+    tube: Tube, family: Kind, m: int, n: int, *, size: tuple[int, int] | None = None, fixed: Fixed = "area and volume"
 ) -> tuple[TubeProblem, Array, Array]:
     """The straight tube where a family branches off, and the direction in which it does.
 
@@ -50,3 +52,25 @@ def onset(
     u[-3:] = equation.lambda1, equation.lambda2, 1.0
     direction[problem.modes.index(symmetry.onset_mode)] = 1.0
     return problem, u, direction
+
+
+def tube_start(kind: Kind, tube: Tube, mode: WaveNumbers, fixed: Fixed, tolerance: float | None) -> Start:
+    """The straight tube where a kind of tubes leaves it, in reduced modes.
+
+    Raises:
+        InputError: it does not leave there, or an accuracy is given, which modes have none of.
+    """
+    if tolerance is not None:
+        raise InputError(f"tolerance: it is for pearls and rings; leave it out with {kind}s")
+    others = amplitude_equation(tube, mode).families
+    if kind not in others:
+        raise InputError(
+            f"mode: {mode[0]},{mode[1]} is none of a {kind}, but of a {' and a '.join(others)}; give another"
+        )
+    return onset(tube, kind, *mode, fixed=fixed)
+
+
+FAMILIES = tuple(Family(kind, (1, 1), "m,n", partial(tube_start, kind), TubeProblem) for kind in ("coil", "buckle"))
+
+IN_MODES = {kind: partial(tube_start, kind) for kind in get_args(Kind)}
+"""Where tubes of every kind leave the straight one, in reduced modes: pearls and rings, too."""

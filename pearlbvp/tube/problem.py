@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import Any, ClassVar, NamedTuple, get_args
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import SHORT_WAVE, Fixed
+from pearlbvp.membrane import AROUND, Grid, MembraneProblem, Surface, fixed_of_tree, of_sections
 from pearlbvp.projection import of_section
 from pearlbvp.representation import brief
 from pearlbvp.tube.extremes import extremes
@@ -30,6 +31,7 @@ from pearlbvp.tube.rigid import rigid_motions
 from pearlbvp.tube.spectrum import Equilibrium, block_rates
 from pearlbvp.tube.symmetry import TubeBlock, TubeSymmetry, ellipse
 from pearlbvp.tube.waves import Cell, ModeWaves
+from pearlbvp.units import Sentence
 
 MOST_MODES, MOST_MODES_PLANE = 256, 48
 """Largest number of periods or folds in a tube's modes: where it depends on one variable, and each way where on two."""
@@ -38,6 +40,9 @@ PLANE_TOLERANCE = 1e-7
 """Of the curvature of the last modes where a tube depends on two variables. Multipliers and energy, stationary values, are
 far better."""
 
+
+RESOLVED = 1e-6
+"""Error of growth rates, by the fourth power of the wave number, beyond which a branch ends rather than count wrongly."""
 
 MOST_WAVES = 20000
 """Waves along times waves around, beyond which a spectrum is not tried."""
@@ -57,7 +62,7 @@ class TubeParameters(NamedTuple):
 
 
 @dataclass(frozen=True)
-class TubeProblem:
+class TubeProblem(MembraneProblem):
     """Tubes of one symmetry on a number of modes: ``residual(u) = 0`` is a curve.
 
     Attributes:
@@ -74,6 +79,8 @@ class TubeProblem:
     __repr__ = brief
 
     stored_as: ClassVar[str] = "tube"
+    block: ClassVar[Any] = TubeBlock
+    may_vary: ClassVar[Mapping[str, str]] = {"c0": "c0", "L": "length"}
 
     symmetry: TubeSymmetry
     c0: float
@@ -97,11 +104,7 @@ class TubeProblem:
         own = dict(zip(self.free, map(float, u[len(self.modes) :]), strict=True))
         return TubeParameters(*(own.get(name, getattr(self, name)) for name in TubeParameters._fields))
 
-    def place(self, name: str) -> int:
-        """Place of a free parameter in every unknown, counted from its end."""
-        return self.free.index(name) - len(self.free)
-
-    def released(self, u: Array, *free: str) -> tuple[TubeProblem, Array]:
+    def freeing(self, u: Array, *free: str) -> tuple[TubeProblem, Array]:
         """The same solution with other parameters free, the rest kept as they are there: to vary ``c0`` at fixed ``v``, say.
 
         Args:
@@ -117,18 +120,6 @@ class TubeProblem:
         known = self.parameters(u)._asdict()
         problem = replace(self, free=tuple(name for name in known if name in free), **known)
         return problem, np.append(self.coefficients(u), [known[name] for name in problem.free])
-
-    def with_second(self, name: str, u: Array, tangent: Array) -> tuple[TubeProblem, list[Array], int]:
-        """The problem with ``c0`` or ``length`` free besides, vectors moved there, and that parameter's place in them.
-
-        Raises:
-            ValueError: another name, or one that is free already.
-        """
-        if name not in ("c0", "length") or name in self.free:
-            raise ValueError(f"second: {name!r} is not c0 or length, or is free already")
-        problem, moved = self.released(u, *self.free, name)
-        place = moved.size + problem.place(name)
-        return problem, [moved, np.insert(tangent, place, 0.0)], place
 
     @property
     def k(self) -> float:
@@ -284,7 +275,7 @@ class TubeProblem:
         if (along, around) == self.size:
             return None
         larger = self.resized((along, around))
-        return larger, [larger.adopt(self, vector) for vector in (u, *others)]
+        return larger, [larger.transfer(self, vector) for vector in (u, *others)]
 
     def resized(self, size: tuple[int, int]) -> TubeProblem:
         """The same problem on another number of modes."""
@@ -306,13 +297,13 @@ class TubeProblem:
         """The coefficients of an unknown by mode."""
         return dict(zip(self.modes, map(float, self.coefficients(u)), strict=True))
 
-    def adopt(self, other: TubeProblem, u: Array) -> Array:
+    def transfer(self, other: TubeProblem, u: Array) -> Array:
         """An unknown of another number of modes, or of a larger symmetry; modes that it does not have are 0."""
         if other.modes == self.modes:
             return u
         return np.append(self.packed(other.known(u)), u[len(other.modes) :])
 
-    def embed(self, block: TubeBlock, centre: str, *vectors: Array) -> tuple[TubeProblem, list[Array]]:
+    def lift(self, block: TubeBlock, centre: str, *vectors: Array) -> tuple[TubeProblem, list[Array]]:
         """The problem in whose space the perturbations of a block live, and vectors moved into it.
 
         Args:
@@ -320,7 +311,7 @@ class TubeProblem:
             centre: of no use here: blocks of reduced modes leave no choice.
             vectors: a solution of this problem, then solutions or tangents.
         """
-        if block == self.own_block:
+        if block == self.trivial_block:
             return self, list(vectors)
         symmetry = self.symmetry.broken_by(block)
         sizes = []
@@ -328,7 +319,7 @@ class TubeProblem:
             sizes.append(max(most * old // new, 8) if new else 0)
         tolerance = max(self.tolerance, PLANE_TOLERANCE) if all(sizes) else self.tolerance
         problem = replace(self, symmetry=symmetry, size=(sizes[0], sizes[1]), pinned=None, tolerance=tolerance)
-        return problem.pinned_at(self.known(vectors[0])), [problem.adopt(self, vector) for vector in vectors]
+        return problem.pinned_at(self.known(vectors[0])), [problem.transfer(self, vector) for vector in vectors]
 
     def pinned_at(self, known: Mapping[Mode, float]) -> TubeProblem:
         """The problem with phase conditions against the rigid motions that its modes leave free, at known coefficients."""
@@ -341,31 +332,46 @@ class TubeProblem:
         moved = {mode for mode, value in zip(self.modes, motion, strict=True) if value != 0}
         return all(mode.part != "sigma" and mode.p == self.symmetry.turns for mode in moved)
 
-    def grows_at_centre(self, direction: Array) -> bool:
+    def is_upper_half(self, direction: Array) -> bool:
         """A choice between the two halves of a pitchfork: whether its largest coefficient grows."""
         coefficients = self.coefficients(direction)
         return bool(coefficients[np.abs(coefficients).argmax()] > 0)
 
-    def straightness(self, u: Array) -> float:
+    def signed_amplitude(self, u: Array) -> float:
         """A number that changes its sign where a ring, coil, buckle or pearl becomes the straight tube; 1 of other tubes."""
         mode = self.symmetry.onset_mode
         return 1.0 if mode is None else self.known(u)[mode]
 
     @cached_property
-    def own_block(self) -> TubeBlock:
+    def trivial_block(self) -> TubeBlock:
         """Perturbations that keep the symmetry."""
         return self.symmetry.block(0, 0, 0)
 
     @property
-    def conserved(self) -> str:
-        """Of what perturbations keep (``v``, or ``lambda2`` at given pressure, and ``c0``, ``L``), what varies here."""
-        kept = {"v": "v"} if self.fixed == "area and volume" else {"lambda2": "lambda2"}
-        varying = [name for parameter, name in (kept | {"c0": "c0", "length": "L"}).items() if parameter in self.free]
-        return varying[0] if len(varying) == 1 else ""
+    def varying(self) -> tuple[str, ...]:
+        """What varies on the branch of what perturbations may keep."""
+        return tuple("L" if name == "length" else name for name in self.free)
 
-    def poles(self, u: Array) -> Mapping[str, float]:
-        """None: the multipliers of these families stay finite."""
-        return {}
+    def in_modes(self, u: Array, tangent: Array) -> tuple[TubeProblem, Array, Array]:
+        """Itself; shapes of other kinds have their solutions in reduced modes."""
+        return self, u, tangent
+
+    @property
+    def turns(self) -> int:
+        """Of the frame along the tube."""
+        return self.symmetry.turns
+
+    def limit(self, observed: Mapping[str, float], spectrum: Spectrum) -> str | None:
+        """A section that is not star-shaped, or growth rates that the modes do not resolve."""
+        if observed["r_min"] <= 0:
+            return "a cross-section is no longer star-shaped about its centre, as reduced modes need it"
+        if spectrum.residual > RESOLVED * self.wave_number**4:
+            size = " x ".join(str(most) for most in self.size if most)
+            return Sentence(
+                f"its growth rates are known to {{rate:.0e}} only, as its rigid motions show: {size} modes do not resolve it",
+                rate=spectrum.residual,
+            )
+        return None
 
     def equilibrium(self, u: Array, cell: Cell | None = None) -> Equilibrium:
         """The solution as its second variation needs it, on the points of its own cell or of another."""
@@ -469,12 +475,40 @@ class TubeProblem:
         plane = self._sections(u, x, np.linspace(0, 2 * math.pi, around + 1))
         return np.repeat(x[:, None], around + 1, axis=1), plane.real, plane.imag
 
+    def _at_its_length(self, u: Array) -> tuple[TubeProblem, Array]:
+        """The same solution, its length that of its problem, whatever varies."""
+        return self.freeing(u, "lambda1", "lambda2", "v")
+
+    def to_draw(self, u: Array) -> Grid:
+        """The surface on the whole tube, piece by piece, for the memory of all modes at all points."""
+        problem, u = self._at_its_length(u)
+        x = np.linspace(0, problem.length, max(24, round(6 * problem.length)) + 1)
+        pieces = [problem.surface(u, part, 64) for part in np.array_split(x, max(1, len(x) // 10))]
+        x, y, z = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+        return x, y, z
+
+    def parametrized(self, u: Array) -> Surface:
+        """Points by ``x`` and polar angle in the frame."""
+        problem, u = self._at_its_length(u)
+        return of_sections(lambda x: problem.section(u, x, AROUND + 1))
+
+    def curve(self, u: Array, samples: int) -> dict[str, Array]:
+        """Of coils the section at ``x = 0``, closed, which turns along the tube: ``y, z``.
+
+        Raises:
+            InputError: the sections are not alike.
+        """
+        if self.symmetry.period:
+            return super().curve(u, samples)
+        y, z = self.section(u, 0.0, samples + 1)
+        return {"y": y, "z": z}
+
     def _sections(self, u: Array, x: Array, phi: Array) -> NDArray[np.complex128]:
         """Points of the surface in planes across the axis, shape (len(x), len(phi))."""
         k = 2 * math.pi / self.parameters(u).length
         return sections(self.known(u), k, self.symmetry.turns * k, x, phi)
 
-    def wave(self, u: Array) -> float:
+    def largest_wave(self, u: Array) -> float:
         """``2 A`` of the largest wave (``projection``): near the straight tube that of the mode in which it leaves that."""
         # In its frame, and on one period there, a tube has the waves that it has at rest, each with other numbers along.
         period, fold = self._units
@@ -508,8 +542,6 @@ class TubeProblem:
         Raises:
             ValueError: the tree describes no tube.
         """
-        if tree["fixed"] not in get_args(Fixed):
-            raise ValueError(f"fixed: {tree['fixed']!r} is none of {get_args(Fixed)}")
         group = frozenset(int(element) for element in tree["group"])
         symmetry = TubeSymmetry(int(tree["period"]), int(tree["fold"]), int(tree["turns"]), group)
         size = int(tree["size"][0]), int(tree["size"][1])
@@ -521,5 +553,5 @@ class TubeProblem:
         kept = {name: float(tree[name]) for name in ("lambda1", "lambda2", "v")}
         return cls(
             symmetry, float(tree["c0"]), float(tree["length"]), size, tree.get("pinned"), float(tree["tolerance"]),
-            tree["fixed"], free, **kept,
+            fixed_of_tree(tree), free, **kept,
         )  # fmt: skip

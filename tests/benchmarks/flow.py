@@ -22,11 +22,11 @@ from scipy.sparse import issparse
 from pearlbvp.arrays import Array
 from pearlbvp.flow.axisymmetric import GraphFlow
 from pearlbvp.flow.driver import FlowOptions, first_rates, flow
+from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.families import tube_mesh
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow_start import mesh_start, pearl_start, surface_start, tube_start
 from pearlbvp.studies.point import chosen
-from pearlbvp.studies.tube import tube_branch
 
 END = 1.0
 """Time at which the integrators are compared; the slowest mode has decayed by a factor of ten by then."""
@@ -116,15 +116,15 @@ def to_rest() -> None:
 
     problem = GraphFlow(0.0, 10.0, 128)
     line("axisymmetric, 128 points", lambda: flow(problem, start_shape(problem)), 5)
-    a2 = chosen(pearl_branch(0, 10, 1, branch_options({"lambda2": -3.2})), "A2")
+    a2 = chosen(family_branch(Tube(0, 10), "pearl", (1, 0), branch_options({"lambda2": -3.2})), "A2")
     start = pearl_start(a2.problem, a2.u)
     line("A2 with a bump of -0.125", lambda: start.flow(start.perturbed("bump", -0.125)))
     for length, m in ((15.0, 2), (30.0, 4)):
-        point = pearl_branch(0.48, length, m, branch_options({"v": 1.02})).points[-1].point
+        point = family_branch(Tube(0.48, length), "pearl", (m, 0), branch_options({"v": 1.02})).points[-1]
         pearls = pearl_start(point.problem, point.u)
         q = pearls.perturbed("critical", 0.02, keep=True)
         line(f"c0 = 0.48, L = {length:g}, to the localized pearl", lambda s=pearls, q=q: s.flow(q))  # type: ignore[misc]
-    point = pearl_branch(0.75, 10.0, 1, branch_options({"v": 1.03})).points[-1].point
+    point = family_branch(Tube(0.75, 10.0), "pearl", (1, 0), branch_options({"v": 1.03})).points[-1]
     pearls = pearl_start(point.problem, point.u)
     line("c0 = 0.75, to two unequal pearls", lambda: pearls.flow(pearls.perturbed("critical", 0.05, keep=True)))
     options = FlowOptions(resolution=1e-2)
@@ -134,7 +134,7 @@ def to_rest() -> None:
         (-1.0, "coil", {"v": 0.95}, "bump", -0.25),
         (-1.0, "buckle", {"v": 0.975}, "bump", -0.25),
     ):
-        point = tube_branch(c0, 10.0, family, (1, 1), branch_options(stop)).points[-1].point  # type: ignore[arg-type]
+        point = family_branch(Tube(c0, 10.0), family, (1, 1), branch_options(stop), discretization="modes").points[-1]  # type: ignore[arg-type]
         tube = tube_start(point.problem, point.u)
         q = tube.perturbed(kind, delta)  # type: ignore[arg-type]
         line(f"c0 = {c0:g}, {family}, {kind}, 12 x 12 modes", lambda s=tube, q=q: s.flow(q, options), 1)  # type: ignore[misc]
@@ -164,7 +164,7 @@ def meshes() -> None:
             f"  {f'implicit Euler, h = {end / steps:.0e}':34s} {seconds:8.3f} s {steps:6d} steps   error {error:8.1e}"
         )
     print("A2 with a bump of -0.125 on triangulated tubes, to rest")
-    a2 = chosen(pearl_branch(0, 10, 1, branch_options({"lambda2": -3.2})), "A2")
+    a2 = chosen(family_branch(Tube(0, 10), "pearl", (1, 0), branch_options({"lambda2": -3.2})), "A2")
     for kind in ("subdivision", "cotangent"):
         start = mesh_start(a2, 4000, kind=kind)  # type: ignore[arg-type]
         seconds, result = timed(lambda s=start: s.flow(s.perturbed("bump", -0.125)), 1)  # type: ignore[misc]

@@ -22,11 +22,12 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import solve_bvp
 
-from pearlbvp.continuation import PathOptions, Point, follow
+from pearlbvp.continuation import PathOptions, Solution, follow
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.helfrich import Tube
 from pearlbvp.shapes import axisymmetric
-from pearlbvp.shapes.pearl import PearlProblem, pearling_onset
+from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.shapes.pearling import pearling_onset
 from pearlbvp.studies.localized import localized_pearls
 
 AUTO = Path("/usr/lib/auto-07p")
@@ -43,10 +44,12 @@ def best(function: Callable[[], object], repeats: int = 15) -> float:
     return min(times)
 
 
-def our_points(degree: int = 6, intervals: int = 8, count: int = 40, step: float = 0.02) -> list[Point[PearlProblem]]:
+def our_points(
+    degree: int = 6, intervals: int = 8, count: int = 40, step: float = 0.02
+) -> list[Solution[PearlProblem]]:
     """Follow the pearls of period 7.5 for some short steps without remeshing."""
     problem, u, tangent = pearling_onset(Tube(0.48, 7.5), degree=degree, intervals=intervals, tolerance=1.0)
-    start = Point(problem, u, tangent, problem.observables(u))
+    start = Solution(problem, u, tangent)
     options = PathOptions(step=step, max_step=step, max_points=count)
     return follow(start, options, lambda point: None).points
 
@@ -61,7 +64,7 @@ def our_point(degree: int, intervals: int) -> tuple[float, float]:
 def exact_lambda2(v: float) -> float:
     """``lambda2`` of the pearl of period 7.5 at a volume, on 40 intervals of degree 7."""
     problem, u, tangent = pearling_onset(Tube(0.48, 7.5), degree=7, intervals=40, tolerance=1.0)
-    start = Point(problem, u, tangent, problem.observables(u))
+    start = Solution(problem, u, tangent)
     path = follow(start, PathOptions(), lambda point: "past" if point.observables["v"] > v else None)
     before, after = path.points[-2:]
     return (

@@ -18,6 +18,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.adaptation import AdaptOptions, smoothed
 from pearlbvp.mesh.families import edited, graded, jittered, straightened, tube_mesh
 from pearlbvp.mesh.functional import Kind
@@ -25,9 +26,8 @@ from pearlbvp.mesh.operators import mean_curvature
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.start import branch_point, equilibrium, straight
 from pearlbvp.mesh.subdivision import subdivided
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.mesh import meshed
-from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.dispersion import critical_lambda2
 
 LENGTH = 10.0
@@ -104,9 +104,9 @@ def phases(kind: Kind, sizes: tuple[int, ...] = SIZES[:2]) -> None:
     )
     until = branch_options({"v": 0.95})
     shapes = {
-        "pearl A2": pearl_branch(0.0, LENGTH, 1, branch_options({"lambda2": -3.165})).points[-1],
-        "coil": tube_branch(0.0, LENGTH, "coil", (1, 1), until).points[-1],
-        "buckle": tube_branch(0.0, LENGTH, "buckle", (1, 1), until).points[-1],
+        "pearl A2": family_branch(Tube(0.0, LENGTH), "pearl", (1, 0), branch_options({"lambda2": -3.165})).points[-1],
+        "coil": family_branch(Tube(0.0, LENGTH), "coil", (1, 1), until).points[-1],
+        "buckle": family_branch(Tube(0.0, LENGTH), "buckle", (1, 1), until).points[-1],
     }
     known: dict[tuple[str, str], tuple[int, Array]] = {}
     for nodes in sizes:

@@ -13,11 +13,13 @@ import time
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from pearlbvp.continuation.branch import continue_branch, start_point
+from pearlbvp.continuation.following import continue_branch
+from pearlbvp.continuation.solution import Solution
 from pearlbvp.helfrich import Tube
-from pearlbvp.shapes.pearl import pearling_onset
-from pearlbvp.studies.branch import branch_options, switched
+from pearlbvp.shapes.pearling import pearling_onset
+from pearlbvp.studies.branch import branch_options
 from pearlbvp.studies.localized import localized_pearls
+from pearlbvp.studies.onward import switched
 
 MESHES = (4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 20, 24, 28, 32, 40)
 TOLERANCES = (1e-7, 1e-8, 1e-9, 1e-10)
@@ -29,7 +31,7 @@ def run(intervals: int, tolerance: float, step: float) -> tuple[float, float, in
     problem, u, tangent = pearling_onset(Tube(0.48, 15), 2, intervals=intervals, tolerance=tolerance)
     options = {"step": step, "max_step": 5 * step, "max_points": 2000}
     pearls = continue_branch(
-        start_point(problem, u, tangent), branch_options({"v": 1.012}, **options), at_bifurcation=True
+        Solution.along(problem, u, tangent), branch_options({"v": 1.012}, **options), at_bifurcation=True
     )
     localized = switched(pearls, 1, branch_options({"v": 1.1}, **options))
     last = localized.points[-1]

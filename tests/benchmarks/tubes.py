@@ -13,11 +13,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from sums import second_variation
 
 from pearlbvp.continuation.path import correct
+from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.diagram import diagram
-from pearlbvp.studies.ring import ring_branch
-from pearlbvp.studies.tube import tube_branch
 from pearlbvp.theory.elastica import ring_at
 from pearlbvp.tube.modes import Basis, grid
 
@@ -35,7 +34,7 @@ def milliseconds(call, repeats=10):
 def error_of_modes(point, size):
     """Change of lambda2 with more modes, at the same volume."""
     problem = point.problem.resized(size)
-    u = problem.adopt(point.problem, point.u)
+    u = problem.transfer(point.problem, point.u)
     along_v = np.zeros(u.size)
     along_v[-1] = 1.0
     result, _ = correct(problem, u, along_v, u, 0.0, NewtonOptions())
@@ -44,13 +43,13 @@ def error_of_modes(point, size):
 
 
 def main():
-    ring = ring_branch(0.0, 10, 2, branch_options({"v": 0.85})).points[-1]
+    ring = family_branch(Tube(0.0, 10), "ring", (0, 2), branch_options({"v": 0.85})).points[-1]
     exact = ring_at(2, "v", 0.85).lambda2
     print(
         f"ring  v = 0.85: error of lambda2 {ring.observables['lambda2'] - exact:.1e} against elliptic functions (1e-10)"
     )
-    coils = tube_branch(0.0, 10, "coil", (1, 1), branch_options({"v": 0.85}, max_step=0.1))
-    last = coils.points[-1].point
+    coils = family_branch(Tube(0.0, 10), "coil", (1, 1), branch_options({"v": 0.85}, max_step=0.1))
+    last = coils.points[-1]
     error = error_of_modes(last, (0, 2 * last.problem.size[1]))
     print(f"coil  v = 0.85: error of lambda2 {error:.1e} against twice the modes (1e-10)")
     rhs = np.ones(last.u.size)
@@ -66,14 +65,14 @@ def main():
         f"coil  residual {residual:.2f} ms, solve {solve:.2f} ms, spectrum of all waves {spectrum:.1f} ms (a point: 10 ms)"
     )
 
-    buckle = tube_branch(0.0, 10, "buckle", (1, 1), branch_options({"v": 0.85})).points[-1]
+    buckle = family_branch(Tube(0.0, 10), "buckle", (1, 1), branch_options({"v": 0.85})).points[-1]
     print(
-        f"buckle v = 0.85: error of lambda2 {error_of_modes(buckle.point, (40, 40)):.1e} (1e-8), "
-        f"rigid motions {buckle.spectrum.residual:.0e} (1e-7), modes {buckle.point.problem.size}"
+        f"buckle v = 0.85: error of lambda2 {error_of_modes(buckle, (40, 40)):.1e} (1e-8), "
+        f"rigid motions {buckle.spectrum.residual:.0e} (1e-7), modes {buckle.problem.size}"
     )
-    point = tube_branch(0.0, 10, "buckle", (1, 1), branch_options({"v": 0.95})).points[-1].point
+    point = family_branch(Tube(0.0, 10), "buckle", (1, 1), branch_options({"v": 0.95})).points[-1]
     problem = point.problem.resized((12, 12))
-    u = problem.adopt(point.problem, point.u)
+    u = problem.transfer(point.problem, point.u)
     rhs = np.ones(u.size)
     solve = milliseconds(lambda: problem.solve(u, rhs, rhs))
     spectrum = milliseconds(lambda: problem.spectrum(u), 4)

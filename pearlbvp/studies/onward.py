@@ -1,0 +1,257 @@
+"""On from a branch: further along it, along another that crosses it, with another parameter, or along its special points."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+
+from pearlbvp.continuation.branch import Branch, SpecialPoint
+from pearlbvp.continuation.following import WALL, BranchOptions, continue_branch
+from pearlbvp.continuation.path import correct
+from pearlbvp.continuation.problem import LiftError
+from pearlbvp.continuation.solution import Solution
+from pearlbvp.continuation.switching import switch, tangent_along
+from pearlbvp.continuation.two_parameters import NOISE, CurveOnSurface, follow
+from pearlbvp.errors import InputError
+from pearlbvp.newton import NewtonOptions
+from pearlbvp.units import Sentence
+
+Centre = Literal["pearl", "neck"]
+
+
+def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
+    """A branch continued from its last point; that and what follows as one branch.
+
+    Raises:
+        InputError: nothing can follow.
+    """
+    last = branch.points[-1]
+    for name, (at, why) in last.problem.walls.items():
+        if abs(last.value(name) - at) < WALL:
+            raise InputError(
+                f"resume: the branch ends where {why.partition(';')[0]}, so nothing follows; branch off before"
+            )
+    whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
+    if len(branch.points) == 1 and branch.complete:  # where a flow ended: it has no direction yet
+        branch = replace(branch, points=[_towards(branch.points[0], options.until)])
+    return branch.extended(continue_branch(branch.points[-1], whole, at_bifurcation=branch.ends_at_bifurcation))
+
+
+def _towards(entry: Solution[Any], until: Mapping[str, float]) -> Solution[Any]:
+    """A point with its tangent turned to where the first of some wanted values lies, if it is not one of stability.
+
+    Where branches cross, every observable turns, and their two directions have the same shapes.
+    """
+    for name, value in until.items():
+        if name in entry.observables:
+            ahead, behind = (entry.problem.observables(entry.u + s * entry.tangent)[name] for s in (1e-5, -1e-5))
+            turned = abs(ahead - behind) > TURNING and (ahead - behind) * (value - entry.observables[name]) < 0
+            return entry.turned() if turned else entry
+    return entry
+
+
+TURNING = 1e-12
+"""Difference of an observable over 2e-5 of arclength that is the rounding of one that turns."""
+
+
+def varied(
+    branch: Branch[Any],
+    index: int,
+    vary: str,
+    options: BranchOptions,
+    *,
+    keep: str = "v",
+    upwards: bool = True,
+) -> Branch[Any]:
+    """The branch through a point of another on which ``c0`` or the length changes.
+
+    Args:
+        branch: a branch of pearls, or of coils, buckles and what branches off from them.
+        index: which of its points (negative: from the end).
+        vary: ``c0`` or ``L``.
+        options: where to stop and how to step.
+        keep: what stays as it is at that point: ``v`` or ``lambda2``.
+        upwards: whether ``vary`` is to grow at first.
+
+    Raises:
+        InputError: a name or number that cannot be used, or a branch of rings.
+    """
+    parameter = _varying(branch, vary)
+    if keep not in ("v", "lambda2"):
+        raise InputError(f"keep: {keep!r} cannot be kept; choose v or lambda2")
+    if not -len(branch.points) <= index < len(branch.points):
+        raise InputError(f"point: there is no point {index}; the branch has points 0 to {len(branch.points) - 1}")
+    index %= len(branch.points)
+    point = branch.points[index]
+    if point.observables["amplitude"] < 1e-9:
+        raise InputError(f"point: point {index} is the cylinder, where branches cross; choose a point further on")
+    other = "lambda2" if keep == "v" else "v"
+    problem, u = point.problem.freeing(point.u, "lambda1", other, parameter)
+    direction = np.zeros_like(u)
+    direction[problem.place(parameter)] = 1.0 if upwards else -1.0
+    try:
+        tangent = tangent_along(problem, u, direction)
+    except np.linalg.LinAlgError:
+        raise InputError(f"vary: {vary} turns just at point {index}; start from a point beside it") from None
+    options = replace(options, folds=(vary, *options.folds))
+    return continue_branch(Solution.along(problem, u, tangent), options, at_bifurcation="bp" in branch.kinds(index))
+
+
+def _varying(branch: Branch[Any], vary: str) -> str:
+    """The problems' name of ``c0`` or the length, where the branch's shapes depend on it.
+
+    Raises:
+        InputError: another name, or a branch of rings.
+    """
+    problem = branch.points[0].problem.shapes
+    if vary in problem.may_vary:
+        return str(problem.may_vary[vary])
+    if vary not in ("c0", "L"):
+        raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L (lambda2 and v vary on every branch)")
+    raise InputError(f"vary: {problem.why_fixed.format(name=vary)}")
+
+
+def followed(
+    branch: Branch[Any], kind: str, number: int, vary: str, options: BranchOptions, *, upwards: bool = True
+) -> Branch[CurveOnSurface]:
+    """The curve of a fold or a branch point of a branch while ``c0`` or the length varies.
+
+    Args:
+        branch: a branch of pearls, or of coils, buckles and what branches off from them.
+        kind: ``bp``, or ``fold:NAME`` of a column.
+        number: which of them (the first is 1).
+        vary: ``c0`` or ``L``.
+        options: where to stop and how to step. Turning points of ``c0`` and ``L`` (cusps of a fold) are watched too.
+        upwards: whether ``vary`` is to grow at first.
+
+    Raises:
+        InputError: there is no such special point, or it was not located, or ``vary`` is another name, or the branch is one
+            of rings.
+    """
+    parameter = _varying(branch, vary)
+    found = branch.find(kind)
+    if not 1 <= number <= len(found):
+        raise InputError(
+            f"follow: the branch has {len(found)} special points {kind}, so there is none of number {number}"
+        )
+    if not found[number - 1].converged:
+        raise InputError(f"follow: {kind} number {number} was not located; follow the branch in shorter steps")
+    start = branch.at(found[number - 1])
+    sign = math.copysign(1.0, start.problem.signed_amplitude(start.u))
+
+    def excess(point: Solution[CurveOnSurface]) -> float:
+        base: Any = point.problem.base
+        return sign * float(base.signed_amplitude(point.u)) - STRAIGHT_WAVE
+
+    def bounded(point: Solution[CurveOnSurface]) -> str | None:
+        return STRAIGHT if excess(point) < 0 else options.limit(point)
+
+    curve = follow(
+        branch, found[number - 1], parameter, replace(options, folds=(vary, "v"), limit=bounded), upwards=upwards
+    )
+    return _up_to_straight(curve, excess) if curve.reason.startswith(STRAIGHT) else curve
+
+
+STRAIGHT = "the shapes become the straight tube; beyond, the curve would repeat their mirror images"
+
+STRAIGHT_WAVE = 0.02
+"""``signed_amplitude`` of shapes that are called straight. What the curve leads to differs by its square.
+
+Nearer, the conditions of what happens at onset, which are proportional to the amplitude or its square, fade.
+"""
+
+
+def _up_to_straight(
+    curve: Branch[CurveOnSurface], excess: Callable[[Solution[CurveOnSurface]], float]
+) -> Branch[CurveOnSurface]:
+    """A curve that ends beyond the place where a function changes its sign, up to that place, found by secants.
+
+    The conditions' rounding is felt here: Newton's method is content with ``NOISE``, as along the curve.
+    """
+    beyond = curve.points[-1]
+    while len(curve.points) > 1 and excess(curve.points[-1]) <= 0:
+        curve = curve.without_last()
+    start = curve.points[-1]
+    problem, tangent = start.problem, start.tangent
+    known = [(problem.inner(tangent, problem.transfer(beyond.problem, beyond.u) - start.u), beyond), (0.0, start)]
+    while len(known) < 10 and abs(excess(known[-1][1])) > 1e-10:
+        (s0, one), (s1, two) = known[-2:]
+        s = s1 - excess(two) * (s1 - s0) / (excess(two) - excess(one))
+        guess = two.u + (s - s1) * tangent
+        result, direction = correct(problem, guess, tangent, start.u, s, NewtonOptions(rounding=NOISE))
+        if not result.converged:
+            return curve
+        found = Solution.along(problem, result.u, direction)
+        known.append((s, found))
+    end = known[-1][1]
+    return curve.extended(Branch([curve.points[-1], end], [SpecialPoint("end", 1)], curve.reason, curve.complete))
+
+
+def switched(
+    branch: Branch[Any], number: int, options: BranchOptions, *, centre: Centre = "pearl", grow: bool = True
+) -> Branch[Any]:
+    """The branch that crosses ``branch`` at its branch point ``number`` (the first is 1).
+
+    Args:
+        branch: of any family.
+        number: which of its branch points; on meshes those that shift or turn into each other come in twos, and lead to one
+            branch.
+        options: where to stop and how to step.
+        centre: of pearls: whether the new shapes are centred on a pearl or on a neck, where both branch off.
+        grow: follow the half of a pitchfork on which the tube grows at its centre, or the largest new mode grows.
+
+    Returns:
+        Of rings, too, shapes in reduced modes: waves along the tube on the wrinkles.
+
+    Raises:
+        InputError: there is no such branch point, it was not located, or its new shapes cannot be followed.
+    """
+    special = numbered(branch, number)
+    if special.change == 0 and not branch.points[-1].problem.rejoins:
+        raise InputError(
+            f"switch: at branch point {number} the branch meets a more symmetric one; follow that from its start"
+        )
+    try:
+        return switch(branch, special, options, centre=centre, grow=grow)
+    except LiftError as error:
+        raise InputError(
+            Sentence.joined(f"switch: at branch point {number} {error}", _on_a_mesh(branch, special))
+        ) from None
+
+
+def _on_a_mesh(branch: Branch[Any], special: SpecialPoint) -> str:
+    """How shapes that are not axisymmetric are followed: from the same pearls on a triangulated tube."""
+    place, start = branch.at(special).observables, branch.points[0]
+    if start.observables["amplitude"] > 1e-6:
+        return (
+            "; a mesh may follow them, in Python: studies.mesh.branch_from(*meshed(branch.points[k], 1000), options) "
+            "goes on from these pearls, and mesh_switched leaves it"
+        )
+    pearls = round(place["L"] / start.problem.profile(start.u).period)
+    return Sentence(
+        "; a mesh may follow them: pearlbvp branch pearl --c0 {c0:.12g} --length {L:.12g}{radius_option} "
+        f"--mode {pearls},0 --nodes 1000 --save FILE.h5, then --resume FILE.h5 --switch the branch point that is there near "
+        "lambda2 = {lambda2:.4g}, v = {v:.6g}",
+        **{name: place[name] for name in ("c0", "L", "lambda2", "v")},
+    )
+
+
+def numbered(branch: Branch[Any], number: int) -> SpecialPoint:
+    """The branch point of a number (the first is 1).
+
+    Raises:
+        InputError: there is none, or it was not located.
+    """
+    found: list[SpecialPoint] = branch.find("bp")
+    if not 1 <= number <= len(found):
+        raise InputError(f"switch: the branch has {len(found)} branch points, so there is none of number {number}")
+    special = found[number - 1]
+    if not special.converged:
+        raise InputError(
+            f"switch: branch point {number} was not located; follow the branch in shorter steps (--max-step)"
+        )
+    return special

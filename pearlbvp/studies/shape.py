@@ -1,0 +1,76 @@
+"""Branches of pearls through a shape of least energy: a way to those that are not joined to the straight tube."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.following import BranchOptions, continue_branch
+from pearlbvp.continuation.solution import Solution
+from pearlbvp.continuation.switching import tangent_along
+from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Fixed, Tube, finite, positive
+from pearlbvp.shapes.graph import pearl_of_graph, relaxed
+from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.studies.branch import branch_options
+
+NO_SHAPE = 1e-3
+"""Amplitude up to which the shape of least energy is the straight tube: of others the volume is at least 5e-7 from 1."""
+
+
+def shape_branch(
+    c0: float,
+    length: float,
+    v: float,
+    cosines: Sequence[float],
+    options: BranchOptions | None = None,
+    *,
+    cells: int = 1,
+    tolerance: float = 1e-9,
+    fixed: Fixed = "area and volume",
+) -> Branch[PearlProblem]:
+    """The branch through the shape of least energy that lies downhill from a guess: a way to isolated branches.
+
+    The shape is symmetric about ``x = 0``; the branch leads from it to smaller and to larger volume. ``until`` holds in
+    either direction, and the points run from smaller to larger volume at the shape.
+
+    Args:
+        c0: spontaneous curvature.
+        length: axial period of the shape, in radii.
+        v: reduced volume at which the energy is minimised.
+        cosines: the guess ``a_1, a_2, ...``: ``r = 1 + sum of a_k cos(2 pi k x / L)``.
+        options: where to stop and how to step, from ``branch_options``.
+        cells: how many periods the tube has that stability is judged on.
+        tolerance: estimated error of the profile at which the mesh is refined.
+        fixed: what the perturbations keep that stability is judged by.
+
+    Raises:
+        InputError: an argument that cannot be used, or a guess from which no equilibrium is reached.
+    """
+    tube, v = Tube(c0, length), positive("volume", v)
+    amplitudes, why = relaxed(tube, v, np.array([finite("shape", value) for value in cosines]))
+    if why:
+        raise InputError(f"shape: {why}")
+    near = float(np.abs(amplitudes[1:]).max())
+    if near > NO_SHAPE:
+        problem, u, why = pearl_of_graph(tube, v, amplitudes, tolerance=tolerance)
+        if why:
+            raise InputError(f"shape: the shape of least energy led to no equilibrium ({why}); try other cosines")
+        near = problem.observables(u)["amplitude"]
+    if near <= NO_SHAPE:
+        raise InputError(
+            "shape: downhill from it at this volume lies the straight tube, where branches cross; give other cosines or "
+            "another volume, or leave --shape out for the pearls that leave the tube"
+        )
+    problem = replace(problem, fixed=fixed, cells=cells)
+    upwards = np.zeros_like(u)
+    upwards[-1] = 1.0  # v is the last unknown
+    tangent = tangent_along(problem, u, upwards)
+    options = options or branch_options()
+    down = continue_branch(Solution.along(problem, u, -tangent), options)
+    lower, asked = down.reversed(), options
+    both = replace(options, progress=lambda so_far: asked.progress(lower.extended(so_far)))
+    return lower.extended(continue_branch(Solution.along(problem, u, tangent), both))
