@@ -1,5 +1,66 @@
-"""pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability."""
+"""pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability.
+
+An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``flow``,
+``dispersion``, ``amplitude``, ``localized_pearls``, ``pearl_periods``; ``solve_bvp`` and ``continue_bvp`` for one's own
+equations. Each name is imported when it is first asked for.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from pearlbvp._version import __version__
 
-__all__ = ["__version__"]
+if TYPE_CHECKING:
+    from pearlbvp.errors import InputError
+    from pearlbvp.front import Branch, Solution, branch, diagram, flow, load
+    from pearlbvp.helfrich import Tube
+    from pearlbvp.studies.amplitude import coefficients as amplitude
+    from pearlbvp.studies.dispersion import branch_points as dispersion
+    from pearlbvp.studies.families import register
+    from pearlbvp.studies.localized import localized_pearls
+    from pearlbvp.studies.period import pearl_periods
+
+_HOMES = {
+    "Branch": "front:Branch",
+    "InputError": "errors:InputError",
+    "Solution": "front:Solution",
+    "Tube": "helfrich:Tube",
+    "amplitude": "studies.amplitude:coefficients",
+    "branch": "front:branch",
+    "diagram": "front:diagram",
+    "dispersion": "studies.dispersion:branch_points",
+    "flow": "front:flow",
+    "load": "front:load",
+    "localized_pearls": "studies.localized:localized_pearls",
+    "pearl_periods": "studies.period:pearl_periods",
+    "register": "studies.families:register",
+}
+
+__all__ = [
+    "Branch",
+    "InputError",
+    "Solution",
+    "Tube",
+    "__version__",
+    "amplitude",
+    "branch",
+    "diagram",
+    "dispersion",
+    "flow",
+    "load",
+    "localized_pearls",
+    "pearl_periods",
+    "register",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, from the room in which it lives."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'pearlbvp' has no attribute {name!r}; see dir(pearlbvp)")
+    room, _, found = _HOMES[name].partition(":")
+    return getattr(import_module(f"pearlbvp.{room}"), found)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -59,18 +59,18 @@ class Tube:
 
     Attributes:
         c0: spontaneous curvature.
-        length: axial period ``L``.
+        L: axial period.
 
     Raises:
         InputError: ``c0`` is not finite, or ``length`` is not a positive finite number.
     """
 
     c0: float
-    length: float
+    L: float
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "c0", finite("c0", self.c0))
-        object.__setattr__(self, "length", positive("length", self.length))
+        object.__setattr__(self, "L", positive("length", self.L))
         if abs(self.c0) > LARGEST_C0:
             raise InputError(
                 f"c0: {self.c0:g} is beyond {LARGEST_C0:g} in units of 1/radius; check its unit, or --radius"
@@ -79,6 +79,11 @@ class Tube:
             raise InputError(
                 f"length: {self.length:g} radii is not between {SHORTEST:g} and {LONGEST:g}; check its unit"
             )
+
+    @property
+    def length(self) -> float:
+        """Axial period ``L``."""
+        return self.L
 
     def wave_number(self, m: int) -> float:
         """``k_m = 2 pi m / L``."""

@@ -21,6 +21,10 @@ COVERED = 0.01
 """Share of the straight tube by which a surface's projection may miss it, by quadrature; else the axis is not inside of it."""
 
 
+ROUNDING = 1e-14
+"""Amplitude, by the largest radius, of waves that are the rounding of their sums."""
+
+
 @dataclass(frozen=True)
 class Projection:
     """Points of a surface, each standing for a part of the straight tube, all of shape (K,).
@@ -70,7 +74,8 @@ class Projection:
         sizes[:, 0, 0] = 0.0  # the mean radius
         shift = np.ix_([0, 1] if turns == 0 else [0], along == turns, around == 1)
         sizes[shift] = 0.0
-        return 2 * float(sizes.max())
+        largest = 2 * float(sizes.max())
+        return largest if largest > ROUNDING * np.abs(self.r).max() else 0.0
 
 
 def of_section(curve: NDArray[np.complex128], step: NDArray[np.complex128], x: float | Array = 0.0) -> Projection:

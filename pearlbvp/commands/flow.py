@@ -297,7 +297,7 @@ def _start(
     """Problem and coordinates of the start."""
     from pearlbvp.helfrich import Tube, finite
     from pearlbvp.studies.branch import branch_options, family_branch
-    from pearlbvp.studies.flow_start import mesh_start, pearl_start, pearl_tube_start, profile_start, tube_start
+    from pearlbvp.studies.flow_start import mesh_start, profile_start, solution_start
     from pearlbvp.studies.mesh import NODES
     from pearlbvp.studies.point import chosen, sample
     from pearlbvp.units import Sentence
@@ -338,13 +338,8 @@ def _start(
     at = chosen(branch, point, family)
     if nodes is not None or at.problem.own_mesh(at.u) is not None:
         start = mesh_start(at, NODES if nodes is None else nodes, kind=discretization, law=law)
-    elif family != "pearl":
-        problem, u = at.problem.in_modes(at.u, at.tangent)[:2]
-        start = tube_start(problem, u, size=size, law=law)
-    elif tube:
-        start = pearl_tube_start(at.problem, at.u, size=size, law=law)
     else:
-        start = pearl_start(at.problem, at.u, points=points, law=law)
+        start = solution_start(at, law=law, size=size, points=points, symmetric=not tube)
     return start.problem, start.perturbed(perturb, delta, xi=xi, centre=centre, keep=keep)
 
 

@@ -106,7 +106,13 @@ def continue_branch(
                 continue
             if doubtful or length > 4 * tried:  # beyond the place of doubt
                 tried = math.inf
-            new, found = _placed(events, len(points), length)
+            so_far = list(points)
+
+            def tick(new: Solution[P], so_far: list[Solution[P]] = so_far, known: Any = special) -> None:
+                so_far.append(new)
+                options.progress(Branch(so_far, known, "unfinished", False))
+
+            new, found = _placed(events, len(points), length, tick)
             points += [*new, latest]
             special += found
             asked = _asked(special, options.until_special)
@@ -185,7 +191,9 @@ def _length(first: Solution[Any], last: Solution[Any]) -> float:
     return abs(Segment(first, last).length)
 
 
-def _placed(events: list[Event[P]], count: int, length: float) -> tuple[list[Solution[P]], list[SpecialPoint]]:
+def _placed(
+    events: list[Event[P]], count: int, length: float, tick: Callable[[Solution[P]], None]
+) -> tuple[list[Solution[P]], list[SpecialPoint]]:
     """Located events as points of a branch of ``count`` points, and as special points; one point for those at one place.
 
     What was not located is attached to the computed point that comes after.
@@ -196,6 +204,7 @@ def _placed(events: list[Event[P]], count: int, length: float) -> tuple[list[Sol
     for event in events:
         if event.converged and event.s - reached > SAME_PLACE:
             points.append(event.point.computed())
+            tick(points[-1])  # there may be dozens in a step, and each takes a spectrum
             reached = event.s
         places.append(count + len(points) - 1 if event.converged else None)
     after = count + len(points)

@@ -16,7 +16,7 @@ from pearlbvp.helfrich import SHORT_WAVE, Fixed, Tube, WaveNumbers, cylinder_lam
 from pearlbvp.membrane import Family, Start, checked_tolerance
 from pearlbvp.shapes.cells import HALF_CELL
 from pearlbvp.shapes.pearl import PearlProblem, weights_of
-from pearlbvp.theory.dispersion import critical_lambda2
+from pearlbvp.theory.dispersion import onset_lambda2
 from pearlbvp.units import Sentence
 
 LONGEST = 1000.0
@@ -47,12 +47,10 @@ def pearling_onset(
         Jacobian there is singular twice over: pearls and cylinders cross.
 
     Raises:
-        ValueError: the period is ``2 pi`` exactly, where pearls branch off nowhere (``k = 1``).
+        InputError: pearls branch off nowhere there: their period is ``2 pi`` (``k = 1``), or they are far too short.
     """
     k = tube.wave_number(m)
-    onset = float(critical_lambda2(k, 0, tube.c0))
-    if math.isnan(onset):
-        raise ValueError("period: pearls of period 2 pi (k = 1) branch off nowhere; take a longer or shorter period")
+    onset = onset_lambda2(tube, m, 0)
     half = tube.length / m / 2
     parameters = np.array([half, cylinder_lambda1(onset, tube.c0), onset, tube.c0, half, 1.0])
     free = ("arclength", "lambda1", "lambda2", "v")
@@ -81,9 +79,7 @@ def pearl_start(tube: Tube, mode: WaveNumbers, fixed: Fixed, tolerance: float | 
     m, n = mode
     if n != 0 or m < 1:
         raise InputError(f"mode: pearls have n = 0, so {m},{n} is none of them; give {max(m, 1)},0")
-    if not critical_lambda2(tube.wave_number(m), 0, tube.c0) ** 2 < 1e12:
-        text = f"mode: {m} pearls on L = {{L:g}} have k = {{k:g}} and branch off nowhere; change mode or length"
-        raise InputError(Sentence(text, L=tube.length, k=1.0))
+    onset_lambda2(tube, m, 0)
     if tube.length / m > LONGEST:
         text = f"length: pearls of period {{period:g}} are longer than {LONGEST:g} radii; take more of them"
         raise InputError(Sentence(text, period=tube.length / m))

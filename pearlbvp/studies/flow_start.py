@@ -209,6 +209,37 @@ def _settled(tube: TubeFlow, q: Array, found: Mapping[str, float]) -> FlowStart:
     return FlowStart(tube, there.q, there.multipliers)
 
 
+def solution_start(
+    point: Solution[Any],
+    *,
+    law: Law = "area and volume",
+    size: tuple[int, int] | None = None,
+    points: int = 128,
+    symmetric: bool = True,
+) -> FlowStart:
+    """A solution of any family in the coordinates that suit it: an axisymmetric one as a graph, a mesh as it is, else modes.
+
+    Args:
+        point: of a branch of any family.
+        law: what the flow keeps.
+        size: largest wave numbers along and around, of tubes in modes.
+        points: of an axisymmetric graph.
+        symmetric: whether an axisymmetric shape is to stay one.
+
+    Raises:
+        InputError: the shape cannot be described so, or an argument cannot be used.
+    """
+    problem = point.problem.shapes
+    if problem.own_mesh(point.u) is not None:
+        return mesh_start(point, law=law)
+    if problem.drawn != "outline":
+        tube, u, _ = problem.in_modes(point.u, point.tangent)
+        return tube_start(tube, u, law=law, size=size or (12, 12))
+    if not symmetric:
+        return pearl_tube_start(problem, point.u, law=law, size=size or (24, 6))
+    return pearl_start(problem, point.u, points=points, law=law)
+
+
 def mesh_start(
     point: Solution[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision", law: Law = "area and volume"
 ) -> FlowStart:

@@ -22,7 +22,7 @@ import numpy as np
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, cylinder_energy, cylinder_lambda1
-from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, mode_type, stable_interval
+from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, mode_type, onset_lambda2, stable_interval
 
 Family = Literal["pearl", "ring", "coil", "buckle"]
 FAMILIES: dict[str, tuple[Family, ...]] = {
@@ -133,11 +133,7 @@ class AmplitudeEquation:
                 f"mode: ({self.m},{self.n}) is no bifurcation but a change of radius or a shift of the tube; give "
                 "m,0 with m >= 1, 0,n with n >= 2, or m,n with both >= 1"
             )
-        if not self.lambda2**2 < 1e12:
-            raise InputError(
-                f"mode: pearls of mode ({self.m},0) on L = {self.tube.length:g} have k = 1 and branch off nowhere; "
-                "change mode or length"
-            )
+        onset_lambda2(self.tube, self.m, self.n)  # refuses a mode that branches off nowhere
         for m, n in ((2 * self.m, 2 * self.n), *(((2 * self.m, 0), (0, 2 * self.n)) if self.m and self.n else ())):
             size = (self.tube.wave_number(m) ** 2 + n**2) ** 2
             if abs(self._rate(m, n)) < RESONANT * (1 + size):

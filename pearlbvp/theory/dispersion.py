@@ -13,7 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, finite
+from pearlbvp.units import Sentence
 
 
 def growth_rate(k: ArrayLike, n: ArrayLike, lambda2: ArrayLike, c0: float) -> NDArray[np.float64]:
@@ -37,6 +39,29 @@ def critical_lambda2(k: ArrayLike, n: ArrayLike, c0: float) -> NDArray[np.float6
             excess == 0, np.nan, excess / 2 + (1 - 2 * c0) * kappa / np.where(excess == 0, 1, excess)
         )
     return critical
+
+
+LARGEST_MULTIPLIER = 1e6
+"""Multipliers beyond which neither branches nor their stability have digits."""
+
+
+def onset_lambda2(tube: Tube, m: int, n: int) -> float:
+    """The ``lambda2`` at which a mode branches off a tube.
+
+    Raises:
+        InputError: it branches off nowhere, or so far that nothing can be computed there.
+    """
+    k = tube.wave_number(m)
+    found = float(critical_lambda2(k, n, tube.c0))
+    if abs(found) < LARGEST_MULTIPLIER:  # not a number included
+        return found
+    if n == 0 and abs(k - 1) < 1e-3:
+        text = f"mode: the period of {m} pearls on L = {{L:.9g}} {{L_unit}} is the tube's circumference"
+        text += ", where pearls branch off nowhere; change mode or length"
+        raise InputError(Sentence(text, L=tube.length))
+    text = f"mode: {m},{n} on L = {{L:.6g}} {{L_unit}} has k = {{k:.4g}} {{k_unit}} and branches off at lambda2 = "
+    text += "{lambda2:.3g}, where nothing can be computed; give fewer waves, or a longer tube"
+    raise InputError(Sentence(text, L=tube.length, k=k, lambda2=found))
 
 
 def mode_type(m: int, n: int) -> str:

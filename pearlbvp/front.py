@@ -1,0 +1,352 @@
+"""What ``import pearlbvp as pb`` offers: branches, their solutions, and the questions that people ask of tubes.
+
+The rooms below do the work; here their objects get the verbs of an ordinary analysis, so that it needs no other import. Nothing
+is computed here.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+from pearlbvp.continuation import branch as core
+from pearlbvp.continuation import solution as solutions
+from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Fixed, Tube, WaveNumbers
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from pearlbvp.flow.problem import Law
+    from pearlbvp.flow.record import FlowResult
+    from pearlbvp.mesh.periodic import PeriodicMesh
+    from pearlbvp.studies.branch import Discretization
+    from pearlbvp.studies.diagram import Diagram
+    from pearlbvp.studies.flow_start import Perturbation
+
+Until = Mapping[str, float]
+"""Where to stop: columns and values, ``{"v": 1.1}``, or kinds of special points and their numbers, ``{"bp": 1}``."""
+
+
+class Solution(solutions.Solution[Any]):
+    """A point of a branch: ``observables``, ``spectrum``, ``slopes``, ``problem`` and ``u``, and the shape itself."""
+
+    def profile(self, samples: int = 400) -> pd.DataFrame:
+        """The curve that the shape is made of, in radii: ``x, r, psi, H`` of pearls, sections of rings and coils.
+
+        Raises:
+            InputError: the shape is made of no single curve.
+        """
+        from pearlbvp.studies.export import profile_table
+
+        return profile_table(self, samples)
+
+    def surface(self, nodes: int = 3000) -> PeriodicMesh:
+        """The shape as triangles on one period of the tube, with about so many vertices."""
+        from pearlbvp.studies.mesh import shape_mesh
+
+        return shape_mesh(self, nodes)
+
+    def plot(self) -> Figure:
+        """A picture of the surface."""
+        from pearlbvp.figures.surface import draw_surfaces
+
+        return draw_surfaces([self], columns=1)
+
+
+def _solution(found: solutions.Solution[Any]) -> Solution:
+    return Solution(**{field.name: getattr(found, field.name) for field in fields(found)})
+
+
+class Branch(core.Branch[Any]):
+    """A branch: its table, its special points, and where to go on from it.
+
+    ``branch[3]`` is a solution, ``branch["bp"]`` are those at all branch points, ``branch["bp:2"]`` is that at the second.
+    """
+
+    @classmethod
+    def of(cls, found: core.Branch[Any]) -> Branch:
+        """A branch of the rooms below."""
+        return cls(**{field.name: getattr(found, field.name) for field in fields(found)})
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __iter__(self) -> Iterator[Solution]:
+        return map(_solution, self.points)
+
+    @overload
+    def __getitem__(self, which: int) -> Solution: ...
+
+    @overload
+    def __getitem__(self, which: str) -> Solution | list[Solution]: ...
+
+    def __getitem__(self, which: int | str) -> Solution | list[Solution]:
+        """A point by its number, all special points of a kind, or one of them.
+
+        Raises:
+            InputError: there is no such special point.
+            IndexError: there is no such point.
+        """
+        if not isinstance(which, str):
+            return _solution(self.points[which])
+        kind, _, number = which.rpartition(":")
+        if not kind or not number.isdigit():
+            return [_solution(self.at(special)) for special in self.find(which)]
+        found = self.find(kind)
+        if not 1 <= int(number) <= len(found):
+            raise InputError(f"point: the branch has {len(found)} special points {kind}, so there is no {which}")
+        return _solution(self.at(found[int(number) - 1]))
+
+    def resume(self, until: Until | None = None, **how: Any) -> Branch:
+        """Go on from the last point; this branch and what follows as one.
+
+        Args:
+            until: where to stop.
+            how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
+
+        Raises:
+            InputError: nothing can follow, or an argument cannot be used.
+        """
+        from pearlbvp.studies.onward import resumed
+
+        return _followed(lambda options: resumed(self, options), until, how)
+
+    def switch(
+        self,
+        number: int,
+        until: Until | None = None,
+        *,
+        centre: Literal["pearl", "neck"] = "pearl",
+        grow: bool = True,
+        **how: Any,
+    ) -> Branch:
+        """The branch that crosses this one at its branch point ``number`` (the first is 1).
+
+        Args:
+            number: which of the branch points.
+            until: where to stop.
+            centre: of pearls: whether the new shapes are centred on a pearl or on a neck.
+            grow: which half of a pitchfork is followed: that on which the tube grows at its centre, or the other.
+            how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
+
+        Raises:
+            InputError: there is no such branch point, or its shapes cannot be followed, or an argument cannot be used.
+        """
+        from pearlbvp.studies.onward import switched
+
+        return _followed(lambda options: switched(self, number, options, centre=centre, grow=grow), until, how)
+
+    def vary(
+        self,
+        name: str,
+        until: Until | None = None,
+        *,
+        point: int = -1,
+        keep: str = "v",
+        down: bool | None = None,
+        **how: Any,
+    ) -> Branch:
+        """The branch through a point of this one along which ``c0`` or ``L`` varies.
+
+        Args:
+            name: what varies.
+            until: where to stop.
+            point: from which point; by default the last.
+            keep: what stays as it is there: ``v`` or ``lambda2``.
+            down: whether to begin towards smaller values; by default towards where ``until`` wants it.
+            how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
+
+        Raises:
+            InputError: an argument that cannot be used.
+        """
+        from pearlbvp.studies.onward import varied
+
+        upwards = _upwards(down, until, name, self.points[point].observables)
+        return _followed(lambda options: varied(self, point, name, options, keep=keep, upwards=upwards), until, how)
+
+    def follow(
+        self, kind: str, number: int, name: str, until: Until | None = None, *, down: bool | None = None, **how: Any
+    ) -> Branch:
+        """The curve of one of this branch's folds or branch points while ``c0`` or ``L`` varies.
+
+        Args:
+            kind: ``bp``, or ``fold:NAME`` of a column.
+            number: which of them (the first is 1).
+            name: what varies.
+            until: where to stop.
+            down: whether to begin towards smaller values; by default towards where ``until`` wants it.
+            how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
+
+        Raises:
+            InputError: there is no such special point, or an argument cannot be used.
+        """
+        from pearlbvp.studies.onward import followed
+
+        upwards = _upwards(down, until, name, self.points[-1].observables)
+        return _followed(lambda options: followed(self, kind, number, name, options, upwards=upwards), until, how)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Save it as HDF5, whole or not at all; ``pearlbvp.load`` reads it.
+
+        Raises:
+            InputError: the place cannot be written to.
+        """
+        from pearlbvp.studies.saved import save
+
+        save(self, path)
+
+    def plot(self, title: str = "") -> Figure:
+        """Its diagrams and some of its shapes."""
+        from pearlbvp.figures.branch import draw_branch
+
+        return draw_branch(self, self.table(), title)
+
+    def table(self) -> pd.DataFrame:
+        """A row a point, with the columns that every family has: ``pearlbvp.studies.branch.COLUMNS``."""
+        from pearlbvp.studies.branch import COLUMNS
+
+        table = super().table()
+        return table[[*COLUMNS, *(name for name in table if name not in COLUMNS)]]
+
+
+def _upwards(down: bool | None, until: Until | None, name: str, observed: Mapping[str, float]) -> bool:
+    """Whether what varies is to grow at first: as asked, or towards its wanted value."""
+    if down is not None:
+        return not down
+    return (until or {}).get(name, float("inf")) >= observed.get(name, float("-inf"))
+
+
+def _followed(follow: Any, until: Until | None, how: Mapping[str, Any]) -> Branch:
+    """A branch, with signs of life on a terminal while it is followed."""
+    from pearlbvp.progress import progress
+    from pearlbvp.studies.branch import branch_options
+
+    with progress("point") as bar:
+
+        def count(so_far: core.Branch[Any]) -> None:
+            bar.update(len(so_far.points) - bar.n)
+
+        return Branch.of(follow(branch_options(until, progress=count, **how)))
+
+
+def branch(
+    tube: Tube,
+    family: str,
+    mode: WaveNumbers | None = None,
+    *,
+    until: Until | None = None,
+    nodes: int | None = None,
+    discretization: Discretization | None = None,
+    fixed: Fixed = "area and volume",
+    tolerance: float | None = None,
+    **how: Any,
+) -> Branch:
+    """The branch of a family that leaves the straight tube at a mode, with stability and special points.
+
+    Args:
+        tube: the straight tube, ``Tube(c0, L)``.
+        family: ``pearl``, ``ring``, ``coil``, ``buckle``, or one that was added.
+        mode: waves along and around the tube; by default the family's first.
+        until: where to stop: ``{"v": 1.1}`` for a column's value, ``{"bp": 1}`` for the first branch point.
+        nodes: on a triangulated tube of about so many vertices.
+        discretization: ``subdivision`` or ``cotangent`` with ``nodes``; ``modes`` for reduced modes.
+        fixed: what the perturbations keep that stability is judged by.
+        tolerance: estimated error of the profile at which its mesh is refined, of pearls and rings.
+        how: ``max_points`` (200), ``step`` (first) and ``max_step`` (0.5) along the branch.
+
+    Raises:
+        InputError: an argument that cannot be used.
+
+    Example:
+        >>> import pearlbvp as pb
+        >>> pearls = pb.branch(pb.Tube(c0=0.48, L=15), "pearl", (2, 0), until={"v": 1.01})
+        >>> localized = pearls.switch(1, until={"v": 1.02})
+        >>> localized[-1].spectrum.n_unstable
+        0
+    """
+    from pearlbvp.studies.branch import family_branch
+
+    def follow(options: Any) -> core.Branch[Any]:
+        return family_branch(
+            tube, family, mode, options, nodes=nodes, discretization=discretization, fixed=fixed, tolerance=tolerance
+        )
+
+    return _followed(follow, until, how)
+
+
+def load(path: str | os.PathLike[str]) -> Branch:
+    """A branch that was saved. Nothing in the file is executed.
+
+    Raises:
+        InputError: the file is no saved branch, or is not whole.
+    """
+    from pearlbvp.studies import saved
+
+    return Branch.of(saved.load(path, "path"))
+
+
+def flow(
+    start: solutions.Solution[Any],
+    *,
+    perturb: Perturbation = "critical",
+    delta: float = 0.02,
+    nodes: int | None = None,
+    law: Law = "area and volume",
+    **how: Any,
+) -> FlowResult:
+    """Let a perturbed solution flow at fixed area and volume until it rests.
+
+    Args:
+        start: a point of a branch.
+        perturb: ``critical`` (along the most unstable perturbation), ``bump`` or ``none``.
+        delta: size of the perturbation, in radii; a negative bump moves the surface outwards.
+        nodes: on a triangulated tube of about so many vertices.
+        law: what the flow keeps.
+        how: fields of ``pearlbvp.flow.driver.FlowOptions``.
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+    from pearlbvp.flow.driver import FlowOptions
+    from pearlbvp.flow.driver import flow as run
+    from pearlbvp.studies.flow_start import mesh_start, solution_start
+
+    begun = solution_start(start, law=law) if nodes is None else mesh_start(start, nodes, law=law)
+    return run(begun.problem, begun.perturbed(perturb, delta), FlowOptions(**how))
+
+
+def diagram(
+    tube: Tube,
+    depth: int = 1,
+    *,
+    modes: Iterable[WaveNumbers] | None = None,
+    until: Until | None = None,
+    processes: int = 0,
+) -> Diagram:
+    """All branches from the straight tube, and from their branch points on, to a depth.
+
+    Args:
+        tube: the straight tube.
+        depth: 0 for branches from the straight tube only, 1 for those that cross them, too, and so on.
+        modes: follow every family of these; by default all pearls of ``k < 1``.
+        until: where every branch stops.
+        processes: how many to work in; 0 for one a core.
+
+    Returns:
+        Branches by name (``branches``), and why others were not followed (``skipped``).
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+    from dataclasses import replace
+
+    from pearlbvp.studies.branch import branch_options
+    from pearlbvp.studies.diagram import diagram as study
+
+    options = None if until is None else branch_options(until)
+    found = study(tube.c0, tube.length, depth, options, modes=modes, processes=processes)
+    return replace(found, branches={name: Branch.of(followed) for name, followed in found.branches.items()})
