@@ -164,7 +164,7 @@ class Discretization:
         return solve(self.scheme, self._system(u, row), rhs.reshape(self.size, -1)).reshape(rhs.shape)
 
     def signed_distance(self, u: Array, row: Array) -> float:
-        """A number that is zero where the Jacobian, bordered by ``row`` as in ``solve``, is singular, and changes its sign there.
+        """Zero where the Jacobian, bordered by ``row`` as in ``solve``, is singular; it changes its sign there.
 
         It has the sign of the determinant, and the size of the smallest singular value where that is small: the inverse of
         the solution's size for a load that is no left null vector of anything but by chance (compare W. J. F. Govaerts,
