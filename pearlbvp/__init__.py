@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pearlbvp._version import __version__
 
 if TYPE_CHECKING:
+    from pearlbvp.bvp import continue_bvp, solve_bvp
     from pearlbvp.errors import InputError
     from pearlbvp.front import Branch, Solution, branch, diagram, flow, load
     from pearlbvp.helfrich import Tube
@@ -27,6 +28,7 @@ _HOMES = {
     "Tube": "helfrich:Tube",
     "amplitude": "studies.amplitude:coefficients",
     "branch": "front:branch",
+    "continue_bvp": "bvp:continue_bvp",
     "diagram": "front:diagram",
     "dispersion": "studies.dispersion:branch_points",
     "flow": "front:flow",
@@ -34,6 +36,7 @@ _HOMES = {
     "localized_pearls": "studies.localized:localized_pearls",
     "pearl_periods": "studies.period:pearl_periods",
     "register": "studies.families:register",
+    "solve_bvp": "bvp:solve_bvp",
 }
 
 __all__ = [
@@ -44,6 +47,7 @@ __all__ = [
     "__version__",
     "amplitude",
     "branch",
+    "continue_bvp",
     "diagram",
     "dispersion",
     "flow",
@@ -51,6 +55,7 @@ __all__ = [
     "localized_pearls",
     "pearl_periods",
     "register",
+    "solve_bvp",
 ]
 
 

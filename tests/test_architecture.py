@@ -17,10 +17,12 @@ ROOMS = [
     "mesh",
     "stability",
     "theory",
+    "bvp",
     "continuation",
     "collocation",
 ]
 NOTHING_OF = {
+    "bvp": {"theory", "helfrich"},
     "continuation": {"collocation", "theory", "helfrich"},
     "collocation": {"theory", "helfrich"},
     "figures": {"theory"},

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvals, expm
 
-from pearlbvp.collocation.elimination import LinearSystem, solve, transfer_pencil
+from pearlbvp.collocation.elimination import LinearSystem, solve, solve_signed, transfer_pencil
 from pearlbvp.collocation.scheme import gauss_scheme
 
 
@@ -56,6 +56,28 @@ def test_agrees_with_the_dense_matrix(m, n, intervals, free, b, c):
     rhs = rng.standard_normal((unknowns, 2))
     expected = np.linalg.solve(dense(scheme, system), rhs)
     np.testing.assert_allclose(solve(scheme, system, rhs), expected, rtol=1e-9, atol=1e-10)
+
+
+@pytest.mark.parametrize("m", [2, 3, 4])
+def test_the_determinant_s_sign_is_that_of_the_dense_matrix(m):
+    """Up to one factor for a size of the problem: the same on meshes of any number of intervals, whatever the borders."""
+    rng = np.random.default_rng(m)
+    scheme, n = gauss_scheme(m), 3
+    against = set()
+    for trial in range(24):
+        h = rng.uniform(0.5, 1.5, 1 + trial % 4)
+        h /= h.sum()
+        points, size = h.size * m, (h.size * m + 1) * n + 1
+        shapes = [(3, n), (3, n), (3, 1), (points, 1, n), (points, 1, 1)]
+        conditions = [rng.standard_normal(shape) for shape in shapes]
+        jacobian, by_p = rng.standard_normal((points, n, n)), rng.standard_normal((points, n, 1))
+        free, rows = np.array([0], dtype=np.intp), np.empty((0, size))
+        system = LinearSystem(h, jacobian, by_p, np.ones(n), *conditions, free, rows)
+        _, sign = solve_signed(scheme, system, rng.standard_normal((size, 1)))
+        # Columns y_0, int_0, y_1, ...: the n of y_0 belong behind all others of the states.
+        order = np.concatenate((np.arange(n, size - 1), np.arange(n), [size - 1]))
+        against.add(sign * np.linalg.slogdet(dense(scheme, system)[:, order])[0])
+    assert len(against) == 1
 
 
 def test_transfer_pencil_is_the_matrix_exponential():

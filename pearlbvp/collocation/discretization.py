@@ -6,6 +6,7 @@ parameter more than conditions allow, ``residual(u) = 0`` is a curve: what ``con
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation.elimination import LinearSystem, solve
+from pearlbvp.collocation.elimination import LinearSystem, solve, solve_signed
 from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, apply_basis, integrated_product
 from pearlbvp.collocation.problem import BoundaryValueProblem
 from pearlbvp.collocation.scheme import Scheme
@@ -161,6 +162,24 @@ class Discretization:
         Raises:
             numpy.linalg.LinAlgError: the bordered matrix is singular to working precision.
         """
+        return solve(self.scheme, self._system(u, row), rhs.reshape(self.size, -1)).reshape(rhs.shape)
+
+    def signed_distance(self, u: Array, row: Array) -> float:
+        """Zero where the Jacobian, bordered by ``row`` as in ``solve``, is singular; it changes its sign there.
+
+        It has the sign of the determinant, and the size of the smallest singular value where that is small: the inverse of
+        the solution's size for a load that is no left null vector of anything but by chance (compare W. J. F. Govaerts,
+        Numerical Methods for Bifurcations of Dynamical Equilibria (SIAM 2000), §3.3).
+        """
+        load = np.random.default_rng(0).standard_normal((self.size, 1))
+        try:
+            solution, sign = solve_signed(self.scheme, self._system(u, row), load)
+        except np.linalg.LinAlgError:
+            return 0.0
+        return sign / math.sqrt(self.inner(solution[:, 0], solution[:, 0]))
+
+    def _system(self, u: Array, row: Array | None) -> LinearSystem:
+        """The linearised equations at ``u`` with their borders."""
         p, values, t = self.all_parameters(u), self.values(u), self.gauss_points
         y = apply_basis(self.scheme.values, values)
         by_y, by_p = self.problem.rhs_jacobian(t, y, p)
@@ -168,7 +187,7 @@ class Discretization:
         if mass_p is not None:
             slopes = apply_basis(self.scheme.derivatives, values) / self.gauss_h
             by_p = by_p - slopes[:, :, None] * mass_p
-        system = LinearSystem(
+        return LinearSystem(
             self.h,
             by_y,
             by_p,
@@ -178,7 +197,6 @@ class Discretization:
             self.free_index,
             np.empty((0, u.size)) if row is None else self._weighted(row.reshape(-1, u.size)),
         )
-        return solve(self.scheme, system, rhs.reshape(self.size, -1)).reshape(rhs.shape)
 
     def on_mesh(self, mesh: Array, *unknowns: Array) -> tuple[Discretization, list[Array]]:
         """The same problem on another mesh, with unknowns interpolated onto it."""

@@ -66,7 +66,11 @@ class LinearSystem(NamedTuple):
 
 @compiled
 def _eliminate(matrix, columns, rows):  # type: ignore[no-untyped-def]
-    """LU in place of the first ``columns`` columns, pivots among the first ``rows`` rows; those below are reduced too."""
+    """LU in place of the first ``columns`` columns, pivots among the first ``rows`` rows; those below are reduced too.
+
+    Returns the sign of the determinant of what was factorised.
+    """
+    sign = 1.0
     for k in range(columns):
         best, largest = k, abs(matrix[k, k])
         for row in range(k + 1, rows):
@@ -77,11 +81,15 @@ def _eliminate(matrix, columns, rows):  # type: ignore[no-untyped-def]
         if best != k:
             matrix[best, k:] = matrix[k, k:]
             matrix[k, k:] = pivot
+            sign = -sign
+        if pivot[0] < 0.0:
+            sign = -sign
         reciprocal = 1.0 / pivot[0]
         for row in range(k + 1, matrix.shape[0]):
             factor, target = matrix[row, k] * reciprocal, matrix[row, k:]
             for column in range(1, pivot.size):
                 target[column] -= factor * pivot[column]
+    return sign
 
 
 @compiled
@@ -89,7 +97,8 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
     """Step 1 in every interval and step 2 along them; see the module's docstring.
 
     ``extra`` has shape (N*m, n, e). Returns the eliminated rows of each interval, those of each inner mesh point, the
-    last block row (n, 2n + e) on ``y_0, y_N, e``, and the borders (c, 2n + e) on the same.
+    last block row (n, 2n + e) on ``y_0, y_N, e``, the borders (c, 2n + e) on the same, and the sign of the determinant of
+    what was eliminated.
     """
     intervals, m = h.size, weights.size
     n, e = jacobian.shape[1], extra.shape[2]
@@ -103,6 +112,7 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
     local = np.zeros((rows + c, width))  # columns: interior values, y_i, y_{i+1}, e
     stack = np.zeros((2 * n, 3 * n + e))  # columns: y_i, y_0, y_{i+1}, e
     products = np.zeros(3 * n + e)
+    sign = 1.0
     for i in range(intervals):
         local[:, :] = 0.0
         for j in range(m + 1):
@@ -126,7 +136,7 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
             for row in range(n):
                 for column in range(e):
                     local[g * n + row, inner + 2 * n + column] = h[i] * extra[i * m + g, row, column]
-        _eliminate(local, inner, rows)
+        sign *= _eliminate(local, inner, rows)
         pivots[i] = local[:inner]
 
         if i == 0:
@@ -149,6 +159,8 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
                 norm += stack[row, k] ** 2
             norm = np.sqrt(norm)
             alpha = -norm if stack[k, k] > 0.0 else norm
+            if alpha > 0.0:  # a reflection, and a negative entry of the diagonal, each change the determinant's sign
+                sign = -sign
             reflector = stack[k:, k].copy()
             reflector[0] -= alpha
             square = 0.0
@@ -180,7 +192,7 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
                 factor = border[row, k] / stack[k, k]
                 for column in range(k, 3 * n + e):
                     border[row, column] -= factor * stack[k, column]
-    return pivots, chain, block, border[:, n:].copy()
+    return pivots, chain, block, border[:, n:].copy(), sign
 
 
 @compiled
@@ -220,7 +232,7 @@ def _substitute(pivots, chain, solved, k, s, y):  # type: ignore[no-untyped-def]
 
 @compiled
 def _solve(derivatives, values, weights, system, rhs):  # type: ignore[no-untyped-def]
-    """Step 3 around ``_condense`` and ``_substitute``: the solutions, and whether the dense matrix is regular."""
+    """Step 3 around ``_condense`` and ``_substitute``: the solutions, whether the matrix is regular, its determinant's sign."""
     h, free, rows = system.h, system.free, system.rows
     n, m, k, s = system.jacobian.shape[1], weights.size, free.size, rhs.shape[1]
     b, c, r = system.at_start.shape[0], system.densities.shape[1], rows.shape[0]
@@ -244,7 +256,7 @@ def _solve(derivatives, values, weights, system, rhs):  # type: ignore[no-untype
     for row in range(r):
         borders[:, c + row] = apply_basis(values, rows[row, : rows.shape[1] - k].reshape(-1, n))
         matrix[n + b + c + row, 2 * n : ends] = rows[row, rows.shape[1] - k :]
-    pivots, chain, block, border = _condense(
+    pivots, chain, block, border, sign = _condense(
         derivatives, values, weights, h, system.jacobian, extra, borders, system.mass
     )
     matrix[:n] = block
@@ -255,7 +267,7 @@ def _solve(derivatives, values, weights, system, rhs):  # type: ignore[no-untype
             matrix[n + row, 2 * n + column] = system.boundary_p[row, free[column]]
     matrix[n + b :] += border
     matrix[n:, ends:] += rhs[gauss * n :]
-    _eliminate(matrix, ends, ends)
+    sign *= _eliminate(matrix, ends, ends)
     regular = True
     for row in range(ends):
         regular = regular and matrix[row, row] != 0.0 and np.isfinite(matrix[row, row])
@@ -271,7 +283,7 @@ def _solve(derivatives, values, weights, system, rhs):  # type: ignore[no-untype
         _substitute(pivots, chain, solved, k, side, y)
         result[: y.size, side] = y.ravel()
         result[y.size :, side] = solved[2 * n :]
-    return result, regular
+    return result, regular, sign
 
 
 def solve(scheme: Scheme, system: LinearSystem, rhs: Array) -> Array:
@@ -288,10 +300,19 @@ def solve(scheme: Scheme, system: LinearSystem, rhs: Array) -> Array:
     Raises:
         numpy.linalg.LinAlgError: the matrix is singular to working precision, or has entries that are not finite.
     """
-    result, regular = _solve(scheme.derivatives, scheme.values, scheme.weights, system, rhs)
+    return solve_signed(scheme, system, rhs)[0]
+
+
+def solve_signed(scheme: Scheme, system: LinearSystem, rhs: Array) -> tuple[Array, float]:
+    """As ``solve``; also 1 or -1, whose changes are those of the determinant's sign.
+
+    The order of rows and columns in which it is taken makes it the same on all meshes that resolve the problem: intervals
+    count for nothing, because on short ones ``mass y' - jacobian y`` has the sign of ``mass y'``.
+    """
+    result, regular, sign = _solve(scheme.derivatives, scheme.values, scheme.weights, system, rhs)
     if not regular:
         raise np.linalg.LinAlgError("the collocation matrix is singular or has entries that are not finite")
-    return result
+    return result, float(sign)
 
 
 def transfer_pencil(scheme: Scheme, h: Array, jacobian: Array) -> tuple[Array, Array]:
@@ -301,7 +322,7 @@ def transfer_pencil(scheme: Scheme, h: Array, jacobian: Array) -> tuple[Array, A
     """
     n = jacobian.shape[1]
     empty = np.zeros((len(jacobian), n, 0))
-    _, _, block, _ = _condense(
+    _, _, block, _, _ = _condense(
         scheme.derivatives,
         scheme.values,
         scheme.weights,
