@@ -38,6 +38,7 @@ class Spectral(Curve):
 
     own_block = "own"
     conserved = "y"
+    constant = ()
 
     def poles(self, u):
         return {}

@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol
 import numpy as np
 
 from pearlbvp.continuation.description import described, described_point
-from pearlbvp.continuation.events import Event, events_between, first_wanted, has_value, value_of
+from pearlbvp.continuation.events import SAME_VALUE, Event, events_between, first_wanted, has_value, value_of
 from pearlbvp.continuation.path import P, Path, PathEnd, PathOptions, Point, steps
 from pearlbvp.continuation.problem import Array, Problem
 from pearlbvp.continuation.segment import Segment
-from pearlbvp.errors import SpectrumError, interrupted
+from pearlbvp.errors import InputError, SpectrumError, interrupted
+from pearlbvp.units import Sentence
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,6 +63,10 @@ class StableProblem(Problem, Protocol):
 
         Where it turns, a growth rate of ``own_block`` changes its sign, and nowhere else on a smooth branch.
         """
+
+    @property
+    def constant(self) -> Sequence[str]:
+        """Observables that are the same all along the branch."""
 
     def wave(self, u: Array) -> float:
         """``2 A`` of the largest wave over the straight tube (``projection``)."""
@@ -138,12 +143,14 @@ class Branch(Generic[P]):
         special: what happens at some of them.
         reason: why the branch ends.
         complete: whether it ends where it was asked to.
+        failed: whether it ends because something could not be computed, neither by request nor with its shapes.
     """
 
     points: list[BranchPoint[P]]
     special: list[SpecialPoint[P]]
     reason: str
     complete: bool
+    failed: bool = False
 
     def __repr__(self) -> str:
         return described(self)
@@ -155,6 +162,11 @@ class Branch(Generic[P]):
     def find(self, kind: str) -> list[SpecialPoint[P]]:
         """The special points of a kind, in order; ``fold`` finds all folds."""
         return [special for special in self.special if _is_of_kind(special.kind, kind)]
+
+    def asked(self, until: Mapping[str, int]) -> SpecialPoint[P] | None:
+        """The first of the special points that are wanted, by kind and number, if it is among the branch's."""
+        of_kinds = (self.find(kind)[number - 1 : number] for kind, number in until.items())
+        return min((s for found in of_kinds for s in found), key=lambda s: s.index, default=None)
 
     def at(self, special: SpecialPoint[P]) -> BranchPoint[P]:
         """The point of a special point."""
@@ -197,20 +209,20 @@ class Branch(Generic[P]):
             for entry in self.points[::-1]
         ]
         special = [replace(s, index=last - s.index, change=-s.change) for s in self.special[::-1]]
-        return Branch(points, special, self.reason, self.complete)
+        return Branch(points, special, self.reason, self.complete, self.failed)
 
     def without_last(self) -> Branch[P]:
         """The branch without its last point, and what is special there but the end."""
         last = len(self.points) - 2
         kept = [s for s in self.special if s.index <= last] + [SpecialPoint[P]("end", last)]
-        return Branch(self.points[:-1], kept, self.reason, self.complete)
+        return Branch(self.points[:-1], kept, self.reason, self.complete, self.failed)
 
     def extended(self, further: Branch[P]) -> Branch[P]:
         """This branch and one that starts at its last point, as one."""
         offset = len(self.points) - 1
         kept = [s for s in self.special if s.kind not in ("end", "stop") or s.index < offset]
         added = [replace(s, index=s.index + offset) for s in further.special if s.kind != "start"]
-        return Branch(self.points + further.points[1:], kept + added, further.reason, further.complete)
+        return replace(further, points=self.points + further.points[1:], special=kept + added)
 
 
 @dataclass(frozen=True)
@@ -223,7 +235,8 @@ class BranchOptions:
         until_special: stop at the special point of a number (the first is 1) of a kind, as ``Branch.find`` takes it, counted
             from the start, which is none.
         folds: observables whose turning points are located, besides those of ``until_special``.
-        limit: a reason to end at a point with its spectrum, or None.
+        limit: a reason to end at a point with its spectrum, or None; it raises a ``SpectrumError`` where that is not known well
+            enough.
         progress: called with the branch so far after each step, to show or to save it.
     """
 
@@ -239,6 +252,11 @@ class BranchOptions:
         """Observables whose turning points are located."""
         asked = (kind.partition(":")[2] for kind in self.until_special if kind.startswith("fold:"))
         return tuple(dict.fromkeys((*self.folds, *asked)))
+
+    def beyond(self, branch: Branch[Any]) -> BranchOptions:
+        """The same for what follows a branch, whose own special points count, and of which ``progress`` sees the whole."""
+        left = {kind: number - len(branch.find(kind)) for kind, number in self.until_special.items()}
+        return replace(self, until_special=left, progress=lambda so_far: self.progress(branch.extended(so_far)))
 
 
 def continue_branch(
@@ -260,30 +278,38 @@ def continue_branch(
     Returns:
         The branch. It is whole up to its end whatever happens: a failing step is a ``reason``, an interruption too. Where
         the start has a wanted value, it is the start alone.
+
+    Raises:
+        InputError: another value is wanted of something that stays as it is on the branch, or a turning point of that.
     """
+    _refuse_constant(start, options)
     points: list[BranchPoint[P]] = []
     special: list[SpecialPoint[P]] = [SpecialPoint("start", 0)]
 
-    def end(reason: str, kind: str = "end", advice: str = "") -> Branch[P]:
+    def end(reason: str, kind: str = "end", advice: str = "", failed: bool = False) -> Branch[P]:
         if kind == "end" and reason != INTERRUPTED:
             reason += "".join(f"; {name} {MOVED_AWAY}" for name in _left_behind(points, options.until)) or advice
         points.extend([] if points else [BranchPoint(start, UnknownSpectrum())])
         special.append(SpecialPoint(kind, len(points) - 1))
-        return Branch(points, special, reason, kind == "stop")
+        return Branch(points, special, reason, kind == "stop", failed)
+
+    def failure(reason: str) -> Branch[P]:
+        return end(reason, failed=True)
 
     try:
         points.append(_with_spectrum(start))
         if any(has_value(points[0], name, value, exact or {}) for name, value in options.until.items()):
             return end("the start has the wanted value", "stop")
+        watched = [name for name in options.watched if name not in start.problem.constant]  # type: ignore[attr-defined]
         path, tried = steps(start, options.path), math.inf
         while True:
             before, at_start = points[-1], at_bifurcation and len(points) == 1
             point = next(path)
             wanted = first_wanted(before, point, options.until)
             if wanted is not None and not wanted.converged:
-                return end("a wanted value lies just ahead, but could not be reached; take shorter steps")
+                return failure("a wanted value lies just ahead, but could not be reached; take shorter steps")
             latest = _with_spectrum(point if wanted is None else wanted.point)
-            events = events_between(before, latest, options.watched, at_start)
+            events = events_between(before, latest, watched, at_start)
             length = _length(before.point, latest.point)
             shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
             doubtful = any(_is_doubtful(event, point.problem, options.until_special) for event in events)
@@ -295,7 +321,7 @@ def continue_branch(
             new, found = _placed(events, len(points), length)
             points += [*new, latest]
             special += found
-            asked = _asked(special, options.until_special)
+            asked = Branch(points, special, "", False).asked(options.until_special)
             if asked is not None:
                 del points[asked.index + 1 :]
                 special = [s for s in special if s.index <= asked.index]
@@ -303,7 +329,9 @@ def continue_branch(
             if asked is not None and asked.converged:
                 return end("the wanted special point is reached", "stop")
             if asked is not None:
-                return end(f"the wanted {asked.kind} lies just before, but could not be located; take shorter steps")
+                return failure(
+                    f"the wanted {asked.kind} lies just before, but could not be located; take shorter steps"
+                )
             if any(event.kind == "bp" and event.change == 0 for event in events):
                 del points[-1]
                 return end(
@@ -317,10 +345,10 @@ def continue_branch(
             if len(points) >= options.path.max_points:
                 advice = "; resume the branch or ask for more"
                 return end(f"max_points = {options.path.max_points} reached", advice=advice)
-    except (PathEnd, SpectrumError) as failure:
-        return end(str(failure))
+    except (PathEnd, SpectrumError) as error:
+        return failure(error.args[0])  # which may be a sentence with units
     except np.linalg.LinAlgError as error:
-        return end(f"a spectrum could not be computed ({error}); stop before, or take shorter steps")
+        return failure(f"a spectrum could not be computed ({error}); stop before, or take shorter steps")
     except KeyboardInterrupt:
         return end(INTERRUPTED)
     except SystemError as error:  # what an interruption inside compiled code turns into
@@ -333,6 +361,29 @@ INTERRUPTED = "interrupted"
 """Reason of a branch that somebody stopped."""
 
 MOVED_AWAY = "moved away from its wanted value from the start on"
+
+OTHERWISE = {
+    "c0": "vary it from a point of a saved branch (--vary c0)",
+    "L": "vary it from a point of a saved branch (--vary L)",
+    "v": "keep lambda2 where it branches off (--keep lambda2), or stop at something else",
+    "lambda2": "keep v where it branches off (--keep v), or stop at something else",
+}
+"""How that varies which stays as it is on a branch."""
+
+
+def _refuse_constant(start: Point[Any], options: BranchOptions) -> None:
+    """Refuse to look for what is nowhere on a branch.
+
+    Raises:
+        InputError: what stays as it is there is to have another value, or to turn.
+    """
+    for name in start.problem.constant:
+        own = start.observables[name]
+        wanted = options.until.get(name, own)
+        if abs(wanted - own) > SAME_VALUE * (1 + abs(wanted)) or f"fold:{name}" in options.until_special:
+            raise InputError(
+                Sentence(f"until: {name} stays {{{name}:.8g}} on this branch; {OTHERWISE[name]}", **{name: own})
+            )
 
 
 def _left_behind(points: Sequence[BranchPoint[Any]], until: Mapping[str, float]) -> list[str]:
@@ -349,14 +400,6 @@ def _left_behind(points: Sequence[BranchPoint[Any]], until: Mapping[str, float])
 def _is_of_kind(kind: str, wanted: str) -> bool:
     """Whether a special point's kind is the wanted one; ``fold`` are all folds."""
     return kind == wanted or kind.split(":")[0] == wanted
-
-
-def _asked(special: Sequence[SpecialPoint[P]], until: Mapping[str, int]) -> SpecialPoint[P] | None:
-    """The first special point at which the branch was asked to stop, if it is among those so far."""
-    of_kinds = (
-        [s for s in special if _is_of_kind(s.kind, kind)][number - 1 : number] for kind, number in until.items()
-    )
-    return min((s for found in of_kinds for s in found), key=lambda s: s.index, default=None)
 
 
 def _is_doubtful(event: Event[Any], problem: Any, until: Mapping[str, int]) -> bool:

@@ -15,6 +15,7 @@ import numpy as np
 
 from pearlbvp.continuation.path import P, PathEnd, Point
 from pearlbvp.continuation.segment import Segment
+from pearlbvp.errors import SpectrumError
 from pearlbvp.representation import brief
 
 if TYPE_CHECKING:
@@ -71,11 +72,18 @@ def _crossing_rates(before: Spectrum, after: Spectrum, neutral: float) -> list[t
     """Blocks and positions of the growth rates that change sign between two points, with their values there.
 
     Rates that are smaller than ``neutral`` at the first point belong to the bifurcation that the branch starts at.
+
+    Raises:
+        SpectrumError: more do than are known at either point.
     """
     found = []
     for block in before.rates.keys() & after.rates.keys():
         rates, later = before.rates[block], after.rates[block]
         low, high = sorted((int((rates > 0).sum()), int((later > 0).sum())))
+        if high > min(len(rates), len(later)):
+            raise SpectrumError(
+                f"{high - low} growth rates of {block} change their sign in one step; take a smaller max_step"
+            )
         found += [(block, k, float(rates[k]), float(later[k])) for k in range(low, high) if abs(rates[k]) > neutral]
     return sorted(found, key=lambda crossing: (str(crossing[0]), crossing[1]))
 

@@ -1,7 +1,8 @@
 """Branches as trees of arrays, numbers and words, to be saved and read back; see ``hdf5`` for the files.
 
-Layout: ``kind, reason, complete``; ``problems/0 ...`` (each mesh once); ``points/0 ...`` with ``u, tangent``, the number of
-their problem, their ``observables`` and ``spectrum``; ``special/0 ...``. Problems, spectra describe themselves (``to_tree``).
+Layout: ``kind, reason, complete, failed``; ``problems/0 ...`` (each mesh once); ``points/0 ...`` with ``u, tangent``, the
+number of their problem, their ``observables`` and ``spectrum``; ``special/0 ...``. Problems, spectra describe
+themselves (``to_tree``).
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ def branch_tree(branch: Branch[Any]) -> dict[str, Any]:
         "kind": kind.stored_as,
         "reason": str(branch.reason),  # a sentence with numbers as it is in radii, like all that is saved
         "complete": branch.complete,
+        "failed": branch.failed,
         "problems": {str(number): problem.to_tree() for number, problem in enumerate(problems.values())},
         "points": {
             str(index): _point_tree(entry, numbers[id(entry.point.problem)])
@@ -75,7 +77,7 @@ def branch_of_tree(tree: Mapping[str, Any], kinds: Mapping[str, tuple[Reader, Re
     if not points:
         raise ValueError("a branch without points")
     special = [_special(found, points) for found in _in_order(tree["special"])]
-    return Branch(points, special, str(tree["reason"]), bool(tree["complete"]))
+    return Branch(points, special, str(tree["reason"]), bool(tree["complete"]), bool(tree.get("failed", False)))
 
 
 def _in_order(trees: Mapping[str, Any]) -> list[Any]:

@@ -10,7 +10,7 @@ where two of them meet.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -192,6 +192,12 @@ class CurveOnSurface:
     def conserved(self) -> str:
         """That of the base."""
         return str(self.base.conserved)
+
+    @property
+    def constant(self) -> Sequence[str]:
+        """That of the base."""
+        names: Sequence[str] = self.base.constant
+        return names
 
     def poles(self, u: Array) -> Mapping[str, float]:
         """Those of the base."""

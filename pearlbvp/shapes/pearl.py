@@ -193,6 +193,13 @@ class PearlProblem:
         varying = [name for parameter, name in (kept | {"c0": "c0", "length": "L"}).items() if parameter in free]
         return varying[0] if len(varying) == 1 else ""
 
+    @property
+    def constant(self) -> tuple[str, ...]:
+        """Of ``lambda1, lambda2, v, c0, L`` those that do not vary along the branch."""
+        names = {"compliance": "lambda1", "mean": "lambda2", "length": "L"}
+        varying = {names.get(parameter, parameter) for parameter in self.discretization.free}
+        return tuple(name for name in ("lambda1", "lambda2", "v", "c0", "L") if name not in varying)
+
     def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit the tube."""
         return spectrum(self.profile(u), self.cells, fixed=self.fixed)

@@ -229,6 +229,11 @@ class RingProblem:
         """What perturbations keep and the branch does not."""
         return "v" if self.fixed == "area and volume" else "lambda2"
 
+    @property
+    def constant(self) -> tuple[str, ...]:
+        """What does not vary along the branch."""
+        return ("c0", "L")
+
     def poles(self, u: Array) -> Mapping[str, float]:
         """None: the multipliers stay finite."""
         return {}

@@ -53,7 +53,8 @@ def branch_options(
     Args:
         until: column and value at which to stop exactly, or kind and number of a special point: ``{"v": 1.1}``,
             ``{"bp": 1}`` for the first branch point, ``{"fold:v": 2}``, ``{"cmc": 1}``, ``{"fold": 1}`` for the first fold of
-            any. Special points are counted from where the branch goes on. Several may be given, the first reached counts.
+            any. Special points are counted from the branch's start (``shape_branch``: from the shape, either way), also where a
+            saved branch goes on. Several may be given, the first reached counts.
         max_points: end after so many.
         step, max_step: first (by default 0.1 or ``max_step``) and largest step, in the norm of shape and parameters.
         progress: called with the branch so far after each step.
@@ -186,7 +187,11 @@ def shape_branch(
     down = continue_branch(start_point(problem, u, -tangent), options)
     lower, asked = down.reversed(), options
     both = replace(options, progress=lambda so_far: asked.progress(lower.extended(so_far)))
-    return lower.extended(continue_branch(start_point(problem, u, tangent), both))
+    whole = lower.extended(continue_branch(start_point(problem, u, tangent), both))
+    if not down.failed:
+        return whole
+    reason = Sentence.joined("towards smaller volumes ", down.reason, "; towards larger ones ", whole.reason)
+    return replace(whole, reason=reason, failed=True)
 
 
 def varied(
@@ -325,7 +330,7 @@ def _up_to_straight(
         found = start_point(problem, result.u, direction)
         known.append((s, found))
     end = BranchPoint(known[-1][1], problem.spectrum(known[-1][1].u))
-    return curve.extended(Branch([curve.points[-1], end], [SpecialPoint("end", 1)], curve.reason, curve.complete))
+    return curve.extended(replace(curve, points=[curve.points[-1], end], special=[SpecialPoint("end", 1)]))
 
 
 def switched(
@@ -370,6 +375,20 @@ def _on_a_mesh(branch: Branch[PearlProblem], special: SpecialPoint[Any]) -> str:
         "lambda2 = {lambda2:.4g}, v = {v:.6g}",
         **{name: place[name] for name in ("c0", "L", "lambda2", "v")},
     )
+
+
+def wanted_there(branch: Branch[Any], options: BranchOptions) -> SpecialPoint[Any] | None:
+    """The special point that is wanted of a branch, where that has it already.
+
+    Raises:
+        InputError: it was not located.
+    """
+    there = branch.asked(options.until_special)
+    if there is not None and not there.converged:
+        raise InputError(
+            f"until: the {there.kind} at point {there.index} was not located; follow the branch in shorter steps (--max-step)"
+        )
+    return there
 
 
 def numbered(branch: Branch[Any], number: int) -> SpecialPoint[Any]:

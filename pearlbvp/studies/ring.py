@@ -11,12 +11,12 @@ from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, continue_branch, start_point
 from pearlbvp.continuation.path import Point, correct_at
 from pearlbvp.continuation.switching import leave
-from pearlbvp.errors import InputError
+from pearlbvp.errors import InputError, SpectrumError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.ring import RingProblem, ring_onset
 from pearlbvp.stability.bloch import Fixed
-from pearlbvp.studies.branch import COLUMNS, branch_options, numbered
+from pearlbvp.studies.branch import COLUMNS, branch_options, numbered, wanted_there
 from pearlbvp.studies.ends import RESOLVED
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import TubeProblem
@@ -62,16 +62,17 @@ def ring_branch(
 
 
 def ring_resumed(branch: Branch[RingProblem], options: BranchOptions) -> Branch[RingProblem]:
-    """A branch of rings continued from its last point; that and what follows as one branch.
+    """A branch of rings continued from its last point; that and what follows as one branch, as ``saved.resumed`` has it.
 
     Raises:
         InputError: its last ring touches itself.
     """
+    if wanted_there(branch, options) is not None:
+        return branch
     last = branch.points[-1].point
     if last.observables["gap"] < TOUCHING:
         raise InputError("resume: the branch ends where the ring touches itself, so nothing follows; branch off before")
-    whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
-    return branch.extended(_to_contact(last, whole, at_bifurcation=branch.ends_at_bifurcation))
+    return branch.extended(_to_contact(last, options.beyond(branch), at_bifurcation=branch.ends_at_bifurcation))
 
 
 def ring_switched(
@@ -149,11 +150,16 @@ def _to_contact(start: Point[RingProblem], options: BranchOptions, *, at_bifurca
 
 
 def _limit(point: BranchPoint[RingProblem]) -> str | None:
+    """Why a branch of rings ends at a point, or None.
+
+    Raises:
+        SpectrumError: its growth rates are not known well enough.
+    """
     if point.observables["gap"] < -TOUCHING:
         return CONTACT
     if point.spectrum.residual > RESOLVED:
         text = "its spectrum is known to {rate:.0e} only; take a smaller tolerance"
-        return Sentence(text, rate=point.spectrum.residual)
+        raise SpectrumError(Sentence(text, rate=point.spectrum.residual))
     return None
 
 

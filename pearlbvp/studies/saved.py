@@ -73,12 +73,21 @@ def family_of(branch: Branch[Any]) -> str:
 def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     """A branch continued from its last point; that and what follows as one branch.
 
+    Args:
+        branch: of any family.
+        options: where to stop and how to step; wanted special points are numbered from the branch's start.
+
+    Returns:
+        The longer branch; the branch as it is where a wanted special point is on it.
+
     Raises:
-        InputError: nothing can follow.
+        InputError: nothing can follow, or the wanted special point is on the branch, but not located.
     """
+    if pearls.wanted_there(branch, options) is not None:
+        return branch
     if kind_of(branch) == "ring":
         return rings.ring_resumed(branch, options)
-    whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
+    whole = options.beyond(branch)
     if len(branch.points) == 1 and branch.complete:  # where a flow ended: it has no direction yet
         branch = replace(branch, points=[_towards(branch.points[0], options.until)])
     return branch.extended(continue_branch(branch.points[-1].point, whole, at_bifurcation=branch.ends_at_bifurcation))
