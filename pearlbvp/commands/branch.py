@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,6 +32,7 @@ from pearlbvp.commands.output import (
     write,
 )
 from pearlbvp.errors import InputError
+from pearlbvp.messages import say
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -79,8 +79,8 @@ if TYPE_CHECKING:
     "--until",
     type=Until(),
     multiple=True,
-    help="Stop exactly there: v=1.1, or the K-th special point of those that are new: bp, bp:2, fold:v, fold:v:2, cmc. May be "
-    "given several times; the first reached counts.",
+    help="Stop exactly there: v=1.1, or the K-th special point from the branch's start on: bp, bp:2, fold:v, fold:v:2, cmc. "
+    "May be given several times; the first reached counts.",
 )
 @click.option(
     "--max-points",
@@ -168,6 +168,12 @@ def branch(
     growth rates, as rigid motions show it), wave (2A of the largest wave cos(kx + n phi) of the surface over the straight tube,
     empty where the axis is not inside of it).
 
+    Special points are numbered from the branch's start (with --shape: from the shape, either way), as --switch, --follow and
+    `show` number them, also where --resume goes on; one that a saved branch has already is answered at once.
+
+    Exit status: 0, 1 where --until was not reached or something could not be computed (all points are written), 2 for input
+    that cannot be used.
+
     Rings end where they touch themselves; coils, buckles and what branches off from them where a section is no longer
     star-shaped. Branches that --switch leads to from a ring, coil or buckle are resumed under that name, too.
 
@@ -189,11 +195,6 @@ def branch(
     if resume is not None and (c0 is not None or length is not None):
         raise InputError("--resume: the saved branch has its own c0 and length; leave --c0 and --length out")
     wanted = wanted_places(until, units)
-    fixed_here = [name for name, _ in until if name.removeprefix("fold:") in ("c0", "L")]
-    if resume is None and fixed_here:
-        raise InputError(
-            f"--until: {fixed_here[0].removeprefix('fold:')} does not vary on this branch; save it, and --vary it from there"
-        )
     given = given_options(click.get_current_context())
     if nodes is not None:
         unused = sorted(given & NOT_OF_MESHES)
@@ -203,6 +204,9 @@ def branch(
         raise InputError("--switch, --vary: they need --resume, the saved branch that they start from")
     if follow is not None and save is not None:
         raise InputError("--save: a curve in two parameters cannot be saved; write its table with --out")
+    unused = sorted(given & {"keep", "point"})
+    if follow is not None and unused:
+        raise InputError(f"--{unused[0]}: a curve in two parameters (--follow) does not have it; leave one of them out")
     if switch is not None and vary is not None:
         raise InputError("--switch, --vary: choose one of them")
     if (shape is None) != (volume is None) or (shape is not None and resume is not None):
@@ -242,6 +246,7 @@ def branch(
         accuracy = {} if tolerance is None else {"tolerance": tolerance}
         fixed: Any = "area" if pressure else "area and volume"
         found: Any
+        there: Any = None
         if known is None:
             tube = units.tube(c0, length)  # type: ignore[arg-type]
             if shape is not None:
@@ -260,6 +265,7 @@ def branch(
         elif switch is not None:
             found = saved.switched(known, switch, options, centre=centre, grow=not shrink)
         else:
+            there = study.wanted_there(known, options)
             found = saved.resumed(known, options)
     table = units.columns(found.table()[study.COLUMNS])
     saves = [] if save is None else [lambda: saved.save(found, save)]
@@ -270,14 +276,20 @@ def branch(
         return draw_branch(found, table, units=units)
 
     write(table, out, plot, draw, saves)
+    if there is not None:
+        v = found.at(there).observables["v"]
+        say(
+            f"the wanted {there.kind} is point {there.index} of the branch already, at v = {v:.8g}; nothing was computed"
+        )
+        return DONE
     if not found.complete:
         advice = ""
         if MOVED_AWAY in found.reason:
             advice = _other_way(vary, down, switch, shrink, from_cylinder=known is None and shape is None)
-        print(f"pearlbvp: the branch ends: {of_this_command(found.reason)}{advice}", file=sys.stderr)
+        say(f"the branch ends: {of_this_command(found.reason)}{advice}")
     if found.reason == "interrupted":
         return INTERRUPTED
-    return SOME_FAILED if wanted and not found.complete else DONE
+    return SOME_FAILED if found.failed or (wanted and not found.complete) else DONE
 
 
 MODES = {"pearl": (1, 0), "ring": (0, 2), "coil": (1, 1), "buckle": (1, 1)}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,14 +10,15 @@ import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number, Until, wanted_places
 from pearlbvp.commands.branch import given_options
-from pearlbvp.commands.command import Command
-from pearlbvp.commands.output import check_distinct, check_outputs, outputs, radius_option, write
+from pearlbvp.commands.command import Command, of_this_command
+from pearlbvp.commands.output import SOME_FAILED, check_distinct, check_outputs, outputs, radius_option, write
 from pearlbvp.errors import InputError
+from pearlbvp.messages import say
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
+    from pearlbvp.continuation.branch import Branch
     from pearlbvp.units import Units
 
 
@@ -80,18 +80,21 @@ def diagram(
     if not files and (c0 is None or length is None):
         raise InputError("FILE, --c0, --length: give saved branches, or c0 and length of a tube")
     _check_columns(x, y)
+    from pearlbvp.studies.diagram import together
+
     if files:
-        table = _saved(files)
+        branches = _saved(files)
     else:
-        table = _computed(c0, length, depth, modes, until, processes, units)  # type: ignore[arg-type]
-    table = units.columns(table)
+        branches = _computed(c0, length, depth, modes, until, processes, units)  # type: ignore[arg-type]
+    table = units.columns(together(branches))
 
     def draw() -> Figure:
         from pearlbvp.figures.diagram import draw_plane
 
         return draw_plane(table, x, y, units=units)
 
-    return write(table, out, plot, draw)
+    status = write(table, out, plot, draw)
+    return status if files or not any(branch.failed for branch in branches.values()) else SOME_FAILED
 
 
 def _check_columns(*names: str) -> None:
@@ -108,17 +111,16 @@ def _check_columns(*names: str) -> None:
             raise InputError(f"{option}: {name!r} is no column with numbers; choose one of {', '.join(numbers)}")
 
 
-def _saved(files: tuple[Path, ...]) -> pd.DataFrame:
-    """Saved branches under one another, each by the shortest part of its path that is its own."""
+def _saved(files: tuple[Path, ...]) -> dict[str, Branch[Any]]:
+    """Saved branches, each by the shortest part of its path that is its own."""
     from pearlbvp.studies import saved
-    from pearlbvp.studies.diagram import together
 
     stems = [file.stem for file in files]
     names = [file.stem if stems.count(file.stem) == 1 else str(file) for file in files]
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise InputError(f"FILE: {twice} is given twice; give it once")
-    return together({name: saved.load(file, "FILE") for name, file in zip(names, files, strict=True)})
+    return {name: saved.load(file, "FILE") for name, file in zip(names, files, strict=True)}
 
 
 def _computed(
@@ -129,7 +131,7 @@ def _computed(
     until: tuple[tuple[str, float], ...],
     processes: int | None,
     units: Units,
-) -> pd.DataFrame:
+) -> dict[str, Branch[Any]]:
     """All branches of a tube to a depth.
 
     Raises:
@@ -152,7 +154,10 @@ def _computed(
             tube.c0, tube.length, depth, options, follow, modes=list(modes) or None, processes=processes or 0
         )  # fmt: skip
     for name, why in found.skipped.items():
-        print(f"pearlbvp: {name} was not followed: {why}", file=sys.stderr)
+        say(f"{name} was not followed: {of_this_command(why)}")
+    for name, branch in found.branches.items():
+        if branch.failed:
+            say(f"{name} ends: {of_this_command(branch.reason)}")
     if not found.branches:
         raise InputError("--mode: no branch could be followed; choose other modes, or another length")
-    return found.table()
+    return found.branches

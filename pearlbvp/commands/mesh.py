@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from pearlbvp.commands.branch import given_options
 from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import check_distinct, check_outputs, radius_option, write
 from pearlbvp.errors import InputError
+from pearlbvp.messages import say
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -112,10 +112,7 @@ def mesh(
 
     status = write(units.columns(table), None, plot, draw, others)
     if solve and abs(table["mu_crit"][0]) < DOUBTFUL * table["mu_error"][0]:
-        print(
-            "pearlbvp: mu_crit is not much larger than mu_error, so n_unstable is not certain; give more --nodes",
-            file=sys.stderr,
-        )
+        say("mu_crit is not much larger than mu_error, so n_unstable is not certain; give more --nodes")
     return status
 
 

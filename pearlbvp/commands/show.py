@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +22,7 @@ from pearlbvp.commands.output import (
     write_table,
 )
 from pearlbvp.errors import InputError
+from pearlbvp.messages import say
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -153,8 +153,8 @@ def _branch(
 
     status = write(table, out, plot, draw, others)
     if note:
-        print(f"pearlbvp: {units.said(note)}", file=sys.stderr)
-    print(described(branch, units), file=sys.stderr)
+        say(units.said(note))
+    say(described(branch, units), begin="")
     return status
 
 
@@ -188,9 +188,9 @@ def _flow(file: Path, out: Path | None, plot: Path | None, units: Units) -> int:
     write(table, out, plot, draw)
     model = getattr(state.problem, "reference", state.problem)  # of a flow on a mesh, that knows the model
     c0, length = units.to_user("c0", model.c0), units.to_user("L", model.length)
-    print(
+    say(
         f"a flow, saved at t = {units.to_user('t', state.t):.8g}: {len(table)} steps, c0 = {c0:.8g}, L = {length:.8g}\n"
         f"  it goes on with pearlbvp flow --resume {file}, which can save its end (--save-end)",
-        file=sys.stderr,
+        begin="",
     )
     return DONE

@@ -13,7 +13,7 @@ from pearlbvp.collocation.scheme import Array
 from pearlbvp.continuation.branch import Branch, BranchPoint, SpecialPoint
 from pearlbvp.continuation.path import Point
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, positive
+from pearlbvp.helfrich import Tube, mode_list, positive, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.representation import brief
@@ -55,7 +55,7 @@ def coefficients(c0: float, length: float, modes: Iterable[Mode]) -> pd.DataFram
 
     tube = Tube(c0, length)
     rows = []
-    for mode in modes:
+    for mode in mode_list(modes):
         e = amplitude_equation(tube, mode)
         double = len(e.families) == 2
         rows.append(
@@ -147,8 +147,7 @@ def predicted_branch(
     if largest is None:
         largest = min(0.2, 0.5 / max(map(abs, equation.slaved.values())))
     positive("largest", largest)
-    if points < 2:
-        raise InputError(f"points: {points} must be 2 or more")
+    points = whole("points", points, 2)
     end = equation.at(family, largest)
     if end["v"] <= 0 or end["r_min"] <= 0:
         raise InputError(f"largest: at A = {largest:g} the predicted {family} has no volume or no radius; go less far")

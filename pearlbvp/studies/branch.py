@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from pearlbvp.continuation.path import PathOptions, Point, correct
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.continuation.two_parameters import NOISE, CurveOnSurface, follow
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, finite, positive
+from pearlbvp.helfrich import Tube, choice, finite, positive, whole
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import Centre, PearlProblem, pearling_onset
@@ -62,6 +62,8 @@ def branch_options(
     Raises:
         InputError: an argument that cannot be used.
     """
+    if not isinstance(until, Mapping | None):
+        raise InputError(f"until: {until!r} must be a mapping; give one like {{'v': 1.1}} or {{'bp': 1}}")
     wanted = {name: finite(f"until {name}", value) for name, value in (until or {}).items()}
     special = {kind: _number(kind, wanted.pop(kind)) for kind in list(wanted) if kind in SPECIAL}
     for name in wanted:
@@ -70,17 +72,60 @@ def branch_options(
                 f"until: a branch cannot stop at a value of {name!r}; choose one of {', '.join(STOPS)}, or one of the special "
                 "points bp, cmc, fold:NAME"
             )
-    if max_points < 2:
-        raise InputError(f"max_points: {max_points} must be 2 or more; the first is the start")
+    max_points, max_step = whole("max_points", max_points, 2), finite("max_step", max_step)
     if not max_step > 1e-6:
         raise InputError(f"max_step: {max_step:g} must be above 1e-6; give one like 0.5")
     if step is None:
         step = min(0.1, max_step)
+    step = finite("step", step)
     if not 1e-6 < step <= max_step:
         raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}; give one between")
 
     path = PathOptions(step=step, max_step=max_step, max_points=max_points)
     return BranchOptions(path=path, until=wanted, until_special=special, limit=limit, progress=progress)
+
+
+def known_options(options: BranchOptions | None) -> BranchOptions:
+    """Options of a branch, those of ``branch_options()`` where none are given.
+
+    Raises:
+        InputError: they are none.
+    """
+    if options is None:
+        return branch_options()
+    if not isinstance(options, BranchOptions):
+        raise InputError(
+            f"options: {type(options).__name__} must be options of a branch; make them by branch_options(...)"
+        )
+    return options
+
+
+def known_branch(branch: Branch[Any]) -> Branch[Any]:
+    """A branch.
+
+    Raises:
+        InputError: it is none, but the name of a file, say.
+    """
+    if not isinstance(branch, Branch):
+        raise InputError(
+            f"branch: {type(branch).__name__} must be a branch; follow one, or load it by studies.saved.load(...)"
+        )
+    return branch
+
+
+def known_point(point: BranchPoint[Any] | Point[Any]) -> Point[Any]:
+    """A point of a branch, without its spectrum.
+
+    Raises:
+        InputError: it is none, but its number, say.
+    """
+    if not isinstance(point, BranchPoint | Point):
+        raise InputError(f"point: {type(point).__name__} must be a point of a branch; give one like branch.points[-1]")
+    return point.point if isinstance(point, BranchPoint) else point
+
+
+FIXED = get_args(Fixed)
+"""What perturbations may keep."""
 
 
 def _number(kind: str, value: float) -> int:
@@ -119,20 +164,29 @@ def pearl_branch(
     Raises:
         InputError: an argument that cannot be used.
     """
-    tube = Tube(c0, length)
-    if m != int(m) or m < 1:
-        raise InputError(f"mode: {m} pearls are none; give a whole number from 1 on")
+    tube, m, options = Tube(c0, length), whole("mode", m), known_options(options)
+    choice("fixed", fixed, FIXED)
     if not critical_lambda2(tube.wave_number(m), 0, tube.c0) ** 2 < 1e12:
         text = f"mode: {m} pearls on L = {{L:g}} have k = {{k:g}} and branch off nowhere; change mode or length"
         raise InputError(Sentence(text, L=length, k=1.0))
     if length / m > LONGEST_PEARL:
         text = f"length: pearls of period {{period:g}} are longer than {LONGEST_PEARL:g} radii; take more of them"
         raise InputError(Sentence(text, period=length / m))
-    if not 1e-13 <= tolerance <= 1e-3:
-        raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3")
+    tolerance = accuracy(tolerance)
     problem, u, tangent = pearling_onset(tube, m, tolerance=tolerance)
     start = start_point(replace(problem, fixed=fixed), u, tangent)
-    return continue_branch(start, options or branch_options(), at_bifurcation=True)
+    return continue_branch(start, options, at_bifurcation=True)
+
+
+def accuracy(tolerance: float) -> float:
+    """A tolerance of profiles.
+
+    Raises:
+        InputError: it is out of range.
+    """
+    if not 1e-13 <= finite("tolerance", tolerance) <= 1e-3:
+        raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3; give one like 1e-9")
+    return float(tolerance)
 
 
 def shape_branch(
@@ -164,8 +218,14 @@ def shape_branch(
     Raises:
         InputError: an argument that cannot be used, or a guess from which no equilibrium is reached.
     """
-    tube, v = Tube(c0, length), positive("volume", v)
-    amplitudes, why = relaxed(tube, v, np.array([finite("shape", value) for value in cosines]))
+    tube, v, options = Tube(c0, length), positive("volume", v), known_options(options)
+    cells, tolerance = whole("cells", cells), accuracy(tolerance)
+    choice("fixed", fixed, FIXED)
+    try:
+        guess = np.array([finite("shape", value) for value in cosines])
+    except TypeError:
+        raise InputError(f"shape: {cosines!r} must be a list of cosines' amplitudes; give one like [0.1]") from None
+    amplitudes, why = relaxed(tube, v, guess)
     if why:
         raise InputError(f"shape: {why}")
     near = float(np.abs(amplitudes[1:]).max())
@@ -183,15 +243,14 @@ def shape_branch(
     upwards = np.zeros_like(u)
     upwards[-1] = 1.0  # v is the last unknown
     tangent = tangent_along(problem, u, upwards)
-    options = options or branch_options()
     down = continue_branch(start_point(problem, u, -tangent), options)
     lower, asked = down.reversed(), options
     both = replace(options, progress=lambda so_far: asked.progress(lower.extended(so_far)))
-    whole = lower.extended(continue_branch(start_point(problem, u, tangent), both))
+    both_ways = lower.extended(continue_branch(start_point(problem, u, tangent), both))
     if not down.failed:
-        return whole
-    reason = Sentence.joined("towards smaller volumes ", down.reason, "; towards larger ones ", whole.reason)
-    return replace(whole, reason=reason, failed=True)
+        return both_ways
+    reason = Sentence.joined("towards smaller volumes ", down.reason, "; towards larger ones ", both_ways.reason)
+    return replace(both_ways, reason=reason, failed=True)
 
 
 def varied(
@@ -216,9 +275,8 @@ def varied(
     Raises:
         InputError: a name or number that cannot be used, or a branch of rings.
     """
-    parameter = _varying(branch, vary)
-    if keep not in ("v", "lambda2"):
-        raise InputError(f"keep: {keep!r} cannot be kept; choose v or lambda2")
+    parameter, options, index = _varying(branch, vary), known_options(options), whole("point", index, -math.inf)
+    choice("keep", keep, ("v", "lambda2"))
     if not -len(branch.points) <= index < len(branch.points):
         raise InputError(f"point: there is no point {index}; the branch has points 0 to {len(branch.points) - 1}")
     index %= len(branch.points)
@@ -243,14 +301,14 @@ def _varying(branch: Branch[Any], vary: str) -> str:
     Raises:
         InputError: another name, or a branch of rings.
     """
-    names = {"c0": "c0", "L": "length"}
-    if vary not in names:
+    names, points = {"c0": "c0", "L": "length"}, known_branch(branch).points
+    if vary not in tuple(names):
         raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L (lambda2 and v vary on every branch)")
-    if branch.points[0].point.problem.stored_as == "mesh":
+    if points[0].point.problem.stored_as == "mesh":
         raise InputError(
             f"vary: a branch on a mesh keeps its {vary}; follow one from the straight tube at another value"
         )
-    if not hasattr(branch.points[0].point.problem, "released"):
+    if not hasattr(points[0].point.problem, "released"):
         raise InputError(
             f"vary: the shape of rings does not depend on {vary}; for where it exchanges stability, see "
             "pearlbvp.studies.ring_onsets in Python"
@@ -275,11 +333,13 @@ def followed(
         InputError: there is no such special point, or it was not located, or ``vary`` is another name, or the branch is one
             of rings.
     """
-    parameter = _varying(branch, vary)
+    parameter, options, number = _varying(branch, vary), known_options(options), whole("follow", number)
+    if kind != "bp" and not str(kind).startswith("fold:"):
+        raise InputError(f"follow: {kind!r} is no kind of point to follow; give bp, or fold:NAME like fold:v")
     found = branch.find(kind)
     if not 1 <= number <= len(found):
         raise InputError(
-            f"follow: the branch has {len(found)} special points {kind}, so there is none of number {number}"
+            f"follow: the branch has {len(found)} special points {kind}, so there is none of number {number}; follow it further"
         )
     if not found[number - 1].converged:
         raise InputError(f"follow: {kind} number {number} was not located; follow the branch in shorter steps")
@@ -353,7 +413,8 @@ def switched(
     Raises:
         InputError: there is no such branch point, or its new shapes are not axisymmetric.
     """
-    special = numbered(branch, number)
+    special, options = numbered(branch, number), known_options(options)
+    choice("centre", centre, get_args(Centre))
     if special.block.n != 0:
         what = f"switch: at branch point {number} shapes with n = {special.block.n} branch off, which are no pearls"
         raise InputError(Sentence.joined(what, _on_a_mesh(branch, special)))
@@ -383,7 +444,7 @@ def wanted_there(branch: Branch[Any], options: BranchOptions) -> SpecialPoint[An
     Raises:
         InputError: it was not located.
     """
-    there = branch.asked(options.until_special)
+    there = known_branch(branch).asked(known_options(options).until_special)
     if there is not None and not there.converged:
         raise InputError(
             f"until: the {there.kind} at point {there.index} was not located; follow the branch in shorter steps (--max-step)"
@@ -397,9 +458,12 @@ def numbered(branch: Branch[Any], number: int) -> SpecialPoint[Any]:
     Raises:
         InputError: there is none, or it was not located.
     """
-    found: list[SpecialPoint[Any]] = branch.find("bp")
+    found: list[SpecialPoint[Any]] = known_branch(branch).find("bp")
+    number = whole("switch", number)
     if not 1 <= number <= len(found):
-        raise InputError(f"switch: the branch has {len(found)} branch points, so there is none of number {number}")
+        raise InputError(
+            f"switch: the branch has {len(found)} branch points, so there is none of number {number}; follow it further"
+        )
     special = found[number - 1]
     if not special.converged:
         raise InputError(

@@ -15,10 +15,10 @@ from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.events import SAME_VALUE, value_of
 from pearlbvp.continuation.path import Point
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import finite
+from pearlbvp.helfrich import finite, whole
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.stability.profile import Profile
-from pearlbvp.studies.branch import STOPS
+from pearlbvp.studies.branch import STOPS, known_branch, known_point
 from pearlbvp.studies.mesh import NODES, surface_points
 from pearlbvp.studies.point import special_place
 
@@ -40,7 +40,7 @@ def stored(branch: Branch[Any], name: str) -> tuple[int, str]:
     Raises:
         InputError: there is no such point.
     """
-    last = len(branch.points) - 1
+    last, name = len(known_branch(branch).points) - 1, str(name)
     if name.lstrip("+-").isdigit():
         if not -last - 1 <= int(name) <= last:
             raise InputError(f"point: there is no point {int(name)}; the branch has points 0 to {last}")
@@ -101,8 +101,7 @@ def profile_table(point: Point[Any], samples: int = SAMPLES) -> pd.DataFrame:
     Raises:
         InputError: the shape is made of no single curve.
     """
-    if samples < 4:
-        raise InputError(f"samples: {samples} are no curve; give 4 or more")
+    point, samples = known_point(point), whole("samples", samples, 4)
     problem = getattr(point.problem, "base", point.problem)
     if problem.stored_as == "pearl":
         return _axisymmetric(problem.profile(point.u), point.observables["L"], samples)
@@ -140,6 +139,7 @@ def surface_table(point: Point[Any], nodes: int = NODES) -> pd.DataFrame:
         ``x, y, z, i, j``, of meshes ``x, y, z``. The grid is closed: its last column is the first, its last row the first
         one a period further.
     """
+    point, nodes = known_point(point), whole("nodes", nodes)
     problem = getattr(point.problem, "base", point.problem)
     if problem.stored_as == "mesh":
         surface: PeriodicMesh = problem.surface(point.u)

@@ -27,7 +27,7 @@ from pearlbvp.mesh.start import solved
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph
 from pearlbvp.shapes.pearl import PearlProblem
-from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.branch import known_options
 from pearlbvp.studies.flow_start import UNLIKE
 from pearlbvp.studies.mesh import SMALLEST_AMPLITUDE
 from pearlbvp.tube.isotropy import NEGLIGIBLE, StandardPosition, standard_position
@@ -292,7 +292,7 @@ def continued(result: FlowResult, options: BranchOptions | None = None, *, upwar
     Raises:
         InputError: the flow did not come to rest, or its end is no point of a branch.
     """
-    return continue_branch(end_point(result, upwards=upwards), options or branch_options())
+    return continue_branch(end_point(result, upwards=upwards), known_options(options))
 
 
 def end_branch(result: FlowResult) -> Branch[Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,7 @@ from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, con
 from pearlbvp.continuation.path import Point
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, cylinder_energy, cylinder_lambda1
+from pearlbvp.helfrich import Tube, choice, cylinder_energy, cylinder_lambda1, mode_numbers, whole
 from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.families import Surface, carried, tube_mesh
 from pearlbvp.mesh.functional import Functional, Kind
@@ -24,7 +24,7 @@ from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.spectrum import Fixed
 from pearlbvp.mesh.start import Form, equilibrium, onset
 from pearlbvp.stability.profile import Profile
-from pearlbvp.studies.branch import branch_options, numbered
+from pearlbvp.studies.branch import known_options, known_point, numbered
 from pearlbvp.theory.dispersion import Mode, critical_lambda2
 
 NODES = 3000
@@ -68,14 +68,21 @@ def mesh_branch(
     Raises:
         InputError: an argument that cannot be used.
     """
-    tube = Tube(c0, length)
+    tube, mode, nodes, options = (
+        Tube(c0, length),
+        mode_numbers("mode", mode),
+        whole("nodes", nodes),
+        known_options(options),
+    )
+    for name, value, words in (("family", family, Form), ("kind", kind, Kind), ("fixed", fixed, Fixed)):
+        choice(name, value, get_args(words))
     problem, u, direction = onset(
         tube, family, *mode, tube_mesh(tube.length, nodes, coil=mode if family == "coil" else None), kind
     )
     problem = replace(problem, adapt=adapt or AdaptOptions(), fixed=fixed).symmetric(u, direction)
     start = start_point(problem, u, direction)
     exact = straight_values(tube, float(critical_lambda2(tube.wave_number(mode[0]), mode[1], tube.c0)))
-    return continue_branch(start, options or branch_options(), at_bifurcation=True, exact=exact)
+    return continue_branch(start, options, at_bifurcation=True, exact=exact)
 
 
 def straight_values(tube: Tube, lambda2: float) -> dict[str, float]:
@@ -103,7 +110,8 @@ def meshed(
     Raises:
         InputError: the mesh is too coarse for the shape, or that is the straight tube.
     """
-    point = point.point if isinstance(point, BranchPoint) else point
+    point = known_point(point)
+    choice("kind", kind, get_args(Kind))
     found = point.observables
     if found["amplitude"] < SMALLEST_AMPLITUDE:
         raise InputError(
@@ -127,7 +135,7 @@ def shape_mesh(point: BranchPoint[Any] | Point[Any], nodes: int | PeriodicMesh =
     Raises:
         InputError: so few nodes make no good triangles.
     """
-    point = point.point if isinstance(point, BranchPoint) else point
+    point, nodes = known_point(point), nodes if isinstance(nodes, PeriodicMesh) else whole("nodes", nodes)
     if isinstance(point.problem, MeshProblem):
         return point.problem.surface(point.u)
     length = point.observables["L"]
@@ -186,7 +194,7 @@ def branch_from(
     direction[-1] = 1.0 if upwards else -1.0
     problem = problem.symmetric(u)
     start = start_point(problem, u, tangent_along(problem, u, direction))
-    return continue_branch(start, options)
+    return continue_branch(start, known_options(options))
 
 
 def mesh_switched(
@@ -203,7 +211,7 @@ def mesh_switched(
     Raises:
         InputError: there is no such branch point, or it was not located.
     """
-    return switch(branch, numbered(branch, number), options, grow=grow)
+    return switch(branch, numbered(branch, number), known_options(options), grow=grow)
 
 
 def surface_points(problem: Any, u: Array) -> Surface:

@@ -10,6 +10,7 @@ from pearlbvp.continuation.path import PathEnd, Point
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
+from pearlbvp.studies.branch import known_branch
 from pearlbvp.units import Sentence
 
 SAMPLES = {
@@ -64,7 +65,7 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Point[Any]:
     Raises:
         InputError: there is no such point.
     """
-    points = [entry.point for entry in branch.points]
+    points, name = [entry.point for entry in known_branch(branch).points], str(name)
     try:
         number = int(name)
     except ValueError:

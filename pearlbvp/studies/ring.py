@@ -12,11 +12,11 @@ from pearlbvp.continuation.branch import Branch, BranchOptions, BranchPoint, con
 from pearlbvp.continuation.path import Point, correct_at
 from pearlbvp.continuation.switching import leave
 from pearlbvp.errors import InputError, SpectrumError
-from pearlbvp.helfrich import Tube
+from pearlbvp.helfrich import Tube, choice, whole
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.ring import RingProblem, ring_onset
 from pearlbvp.stability.bloch import Fixed
-from pearlbvp.studies.branch import COLUMNS, branch_options, numbered, wanted_there
+from pearlbvp.studies.branch import COLUMNS, FIXED, accuracy, known_options, numbered, wanted_there
 from pearlbvp.studies.ends import RESOLVED
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import TubeProblem
@@ -54,11 +54,10 @@ def ring_branch(
     Raises:
         InputError: an argument that cannot be used.
     """
-    tube = Tube(c0, length)
-    if not 1e-13 <= tolerance <= 1e-3:
-        raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3")
+    tube, n, tolerance, options = Tube(c0, length), whole("mode", n, 2), accuracy(tolerance), known_options(options)
+    choice("fixed", fixed, FIXED)
     problem, u, tangent = ring_onset(tube, n, tolerance=tolerance, fixed=fixed)
-    return _to_contact(start_point(problem, u, tangent), options or branch_options(), at_bifurcation=True)
+    return _to_contact(start_point(problem, u, tangent), options, at_bifurcation=True)
 
 
 def ring_resumed(branch: Branch[RingProblem], options: BranchOptions) -> Branch[RingProblem]:
@@ -67,6 +66,7 @@ def ring_resumed(branch: Branch[RingProblem], options: BranchOptions) -> Branch[
     Raises:
         InputError: its last ring touches itself.
     """
+    options = known_options(options)
     if wanted_there(branch, options) is not None:
         return branch
     last = branch.points[-1].point
@@ -92,7 +92,7 @@ def ring_switched(
     Raises:
         InputError: there is no such branch point, or it was not located, or the ring there is not star-shaped.
     """
-    special = numbered(branch, number)
+    special, options = numbered(branch, number), known_options(options)
     problem, u, tangent = reduced(branch.at(special).point)
     c, parity = special.block.c, special.block.parity
     block = problem.symmetry.block(special.block.j, c, ODD_PHI if parity == "odd" else 0)

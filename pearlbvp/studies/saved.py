@@ -43,7 +43,7 @@ def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "save") 
     Raises:
         InputError: the place cannot be written to.
     """
-    save_tree(name, path, KIND, branch_tree(branch))
+    save_tree(name, path, KIND, branch_tree(pearls.known_branch(branch)))
 
 
 def load(path: str | os.PathLike[str], name: str = "resume") -> Branch[Any]:
@@ -83,6 +83,7 @@ def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     Raises:
         InputError: nothing can follow, or the wanted special point is on the branch, but not located.
     """
+    options = pearls.known_options(options)
     if pearls.wanted_there(branch, options) is not None:
         return branch
     if kind_of(branch) == "ring":
@@ -126,7 +127,7 @@ def switched(
     Raises:
         InputError: there is no such branch point, or its new shapes cannot be followed.
     """
-    kind = kind_of(branch)
+    kind = kind_of(pearls.known_branch(branch))
     if kind == "pearl":
         return pearls.switched(branch, number, options, centre=centre, grow=grow)
     if kind == "ring":

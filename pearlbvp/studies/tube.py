@@ -7,8 +7,8 @@ from typing import get_args
 from pearlbvp.continuation.branch import Branch, BranchOptions, continue_branch, start_point
 from pearlbvp.continuation.switching import switch
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube
-from pearlbvp.studies.branch import branch_options, numbered
+from pearlbvp.helfrich import Tube, choice, mode_numbers
+from pearlbvp.studies.branch import FIXED, known_options, numbered
 from pearlbvp.theory.dispersion import Mode
 from pearlbvp.tube.onset import Family, onset
 from pearlbvp.tube.problem import TubeProblem
@@ -41,11 +41,12 @@ def tube_branch(
     Raises:
         InputError: an argument that cannot be used.
     """
-    if family not in get_args(Family):
-        raise InputError(f"family: {family!r} is none of {', '.join(get_args(Family))}")
-    problem, u, direction = onset(Tube(c0, length), family, *mode, fixed=fixed)
+    choice("family", family, get_args(Family))
+    choice("fixed", fixed, FIXED)
+    (m, n), options = mode_numbers("mode", mode), known_options(options)
+    problem, u, direction = onset(Tube(c0, length), family, m, n, fixed=fixed)
     start = start_point(problem, u, direction)
-    return continue_branch(start, options or branch_options(), at_bifurcation=True)
+    return continue_branch(start, options, at_bifurcation=True)
 
 
 def tube_switched(
@@ -62,7 +63,7 @@ def tube_switched(
     Raises:
         InputError: there is no such branch point, or it was not located.
     """
-    special = numbered(branch, number)
+    special, options = numbered(branch, number), known_options(options)
     if special.change == 0:
         raise InputError(
             f"switch: at branch point {number} the branch meets a more symmetric one; follow that from its start"
