@@ -23,12 +23,14 @@ from pearlbvp.commands.dispersion import dispersion
 from pearlbvp.commands.flow import flow
 from pearlbvp.commands.localized import localized
 from pearlbvp.commands.mesh import mesh
+from pearlbvp.commands.onward import follow, resume, switch, vary
 from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, UNUSABLE
 from pearlbvp.commands.period import period
 from pearlbvp.commands.region import region
 from pearlbvp.commands.show import show
 from pearlbvp.errors import InputError, interrupted
 from pearlbvp.files import shortened
+from pearlbvp.messages import drop, open_streams, say, why_not_written
 
 _BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -43,7 +45,10 @@ def cli() -> None:
     """
 
 
-for command in (dispersion, amplitude, amplitude_map, localized, period, region, branch, flow, mesh, show, diagram):
+for command in (
+    dispersion, amplitude, amplitude_map, localized, period, region,
+    branch, resume, switch, vary, follow, show, diagram, flow, mesh,
+):  # fmt: skip
     cli.add_command(command)
 
 
@@ -54,16 +59,19 @@ def main(arguments: list[str] | None = None) -> None:
     _draw_on_our_own_terms()
     with contextlib.suppress(ValueError):  # in a thread signals are not ours
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as by Ctrl-C, what was computed is written
+    open_streams()
     try:
         status = _run(arguments)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader of our standard output has had enough
-        _drop_standard_output()
+        drop(sys.stdout)
         status = DONE
     except OSError as error:
-        where = "standard output" if error.filename is None else shortened(error.filename)
-        print(f"pearlbvp: {where}: {error.strerror or error}; free space or choose another place", file=sys.stderr)
-        _drop_standard_output()
+        if error.filename is None:
+            say(why_not_written(error))
+        else:
+            say(f"{shortened(error.filename)}: {error.strerror or error}; free space or choose another place")
+        drop(sys.stdout)
         status = UNUSABLE
     sys.exit(status)
 
@@ -93,22 +101,17 @@ def _run(arguments: list[str] | None) -> int:
         return UNUSABLE
     except click.ClickException as error:
         message = " ".join(error.format_message().split())
-        print(f"pearlbvp: {message} (see --help)", file=sys.stderr)
+        say(f"{message} (see --help)")
         return UNUSABLE
     except InputError as error:
-        print(f"pearlbvp: {error}", file=sys.stderr)
+        say(str(error))
         return UNUSABLE
     except (click.Abort, KeyboardInterrupt, SystemError) as error:  # compiled code turns an interruption into the last
         if not interrupted(error):  # click takes the end of any file for one
             raise
-        print("pearlbvp: interrupted", file=sys.stderr)
+        say("interrupted")
         return INTERRUPTED
     except (BrokenProcessPool, MemoryError) as error:
         what = "a process of it was killed" if isinstance(error, BrokenProcessPool) else "there is too little memory"
-        print(f"pearlbvp: {what}, perhaps for want of memory; ask for less at once", file=sys.stderr)
+        say(f"{what}, perhaps for want of memory; ask for less at once")
         return SOME_FAILED
-
-
-def _drop_standard_output() -> None:
-    """Let nothing more be written, so that the interpreter's own flush at exit cannot fail again."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -27,6 +27,8 @@ from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
 
+from pearlbvp.messages import say
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 DIGEST = 32
@@ -154,7 +156,7 @@ class _Announcement(event.Listener):
             when = f"again: what was kept of them in {folder()} was damaged or not yours, and is removed"
         else:
             when = "once after installation, which can take a minute"
-        print(f"pearlbvp: compiling its inner loops {when} ...", file=sys.stderr)
+        say(f"compiling its inner loops {when} ...")
 
     def on_end(self, event: Any) -> None:
         """Nothing is said."""
@@ -163,9 +165,7 @@ class _Announcement(event.Listener):
         """What was compiled could not be written."""
         if not self.failed:
             self.failed = True
-            print(
-                f"pearlbvp: compiling again in the next run: {folder()} cannot be written to ({why})", file=sys.stderr
-            )
+            say(f"compiling again in the next run: {folder()} cannot be written to ({why})")
 
 
 announcement = _Announcement()

@@ -6,7 +6,7 @@ class InputError(ValueError):
 
 
 class SpectrumError(ArithmeticError):
-    """The growth rates of a solution cannot be computed; the message says why and what to do."""
+    """The growth rates of a solution cannot be computed, or not well enough; the message says why and what to do."""
 
 
 def interrupted(error: BaseException | None) -> bool:

@@ -21,6 +21,18 @@ LONGEST_ENDING = 16
 """Characters of a file's ending that its temporary name keeps: longer ones name no format."""
 
 
+def named(name: str, path: str | os.PathLike[str]) -> Path:
+    """``path`` as a Path.
+
+    Raises:
+        InputError: it is no name of a file.
+    """
+    try:
+        return Path(path)
+    except TypeError:
+        raise InputError(f"{name}: {path!r} is no name of a file; give a text or a Path") from None
+
+
 def readable(name: str, path: str | os.PathLike[str], most: int = MOST_BINARY) -> Path:
     """``path`` as a Path, if it is a regular file of bounded size: a device or a pipe might never end.
 
@@ -32,7 +44,7 @@ def readable(name: str, path: str | os.PathLike[str], most: int = MOST_BINARY) -
     Raises:
         InputError: there is no such file, or it is none that can be read.
     """
-    path = Path(path)
+    path = named(name, path)
     try:
         found = path.stat()
     except FileNotFoundError:
@@ -76,9 +88,9 @@ def writable(name: str, path: str | os.PathLike[str]) -> Path:
         InputError: its folder does not exist or cannot be written to, or it is a folder itself, or write-protected, or
             its name is too long.
     """
-    if os.fspath(path) == "-":
+    path, found = named(name, path), None
+    if str(path) == "-":
         raise InputError(f"{name}: - is standard output, which takes the table alone; give a file's name")
-    path, found = Path(path), None
     try:
         path = Path(os.path.realpath(path))  # what a link points to is written, not the link
         found = path.stat()

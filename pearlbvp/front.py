@@ -120,7 +120,7 @@ class Branch(core.Branch[Any]):
         number: int,
         until: Until | None = None,
         *,
-        centre: Literal["pearl", "neck"] = "pearl",
+        centre: Literal["pearl", "neck"] | None = None,
         grow: bool = True,
         **how: Any,
     ) -> Branch:

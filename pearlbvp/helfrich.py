@@ -8,6 +8,7 @@ normal: ``H = +1/2`` on the unit cylinder. Lengths are measured in radii of the 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -51,6 +52,57 @@ def positive(name: str, value: float) -> float:
     if number <= 0:
         raise InputError(f"{name}: {value!r} must be positive; give a number above 0")
     return number
+
+
+def whole(name: str, value: float, least: float = 1) -> int:
+    """``value`` as an int.
+
+    Raises:
+        InputError: it is no whole number, or below the least that there may be; the message names the argument.
+    """
+    number = finite(name, value)
+    if number != int(number) or number < least:
+        bound = f", {least} or more" if math.isfinite(least) else ""
+        raise InputError(f"{name}: {value!r} must be a whole number{bound}; give one like {max(least, 2)}")
+    return int(number)
+
+
+def mode_numbers(name: str, value: tuple[int, int], least: float = 0) -> tuple[int, int]:
+    """``value`` as a pair: waves along the tube, and around it.
+
+    Raises:
+        InputError: it is no pair of whole numbers; the message names the argument.
+    """
+    try:
+        m, n = value
+        return whole(name, m, least), whole(name, n, least)
+    except (TypeError, ValueError):  # an InputError is one of the latter
+        raise InputError(
+            f"{name}: {value!r} must be two whole numbers, waves along and around; give a pair like (1, 1)"
+        ) from None
+
+
+def mode_list(modes: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Several modes.
+
+    Raises:
+        InputError: they are none.
+    """
+    try:
+        return [mode_numbers("mode", mode) for mode in modes]
+    except TypeError:
+        raise InputError(f"modes: {modes!r} must be a list of pairs; give one like [(1, 0), (1, 1)]") from None
+
+
+def choice(name: str, value: str, known: Sequence[str]) -> str:
+    """``value``, which is one of several words.
+
+    Raises:
+        InputError: it is none of them; the message names the argument.
+    """
+    if value not in known:
+        raise InputError(f"{name}: {value!r} is unknown; choose one of {', '.join(known)}")
+    return value
 
 
 @dataclass(frozen=True)

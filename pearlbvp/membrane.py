@@ -44,6 +44,9 @@ class MembraneProblem(Problem):
     rejoins: ClassVar[bool] = False
     """Whether the more symmetric branch that a branch meets at a pitchfork can be followed in its space, too."""
 
+    centred: ClassVar[bool] = False
+    """Whether shapes that branch off may be centred on a pearl or on a neck."""
+
     @property
     @abstractmethod
     def fixed(self) -> Fixed:
@@ -95,7 +98,18 @@ class MembraneProblem(Problem):
     @property
     def varying(self) -> tuple[str, ...]:
         """Of what perturbations may keep (``v``, ``lambda2``, ``c0``, ``L``), what varies on the branch."""
-        return ("v", "lambda2")
+        return ("lambda1", "lambda2", "v")
+
+    @property
+    def constant(self) -> Mapping[str, str]:
+        """Of ``lambda1, lambda2, v, c0, L`` those that do not vary along the branch, and how they would."""
+        instead = {
+            "v": "keep lambda2 where it branches off (--keep lambda2), or stop at something else",
+            "lambda2": "keep v where it branches off (--keep v), or stop at something else",
+        }
+        names = ("lambda1", "lambda2", "v", "c0", "L")
+        otherwise = "vary it from a point of a saved branch"
+        return {name: instead.get(name, otherwise) for name in names if name not in self.varying}
 
     @property
     def conserved(self) -> str:

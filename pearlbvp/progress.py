@@ -28,7 +28,7 @@ def progress(unit: str, total: int | None = None, *, shown: bool | None = None, 
     """
     from tqdm import tqdm  # a tenth of a second to import, and only what takes longer needs it
 
-    disable = None if shown is None else not shown
+    disable = True if sys.stderr is None else None if shown is None else not shown
     with tqdm(total=total, unit=unit, desc=doing or None, disable=disable, file=sys.stderr, **_size()) as bar:
         if bar.disable:
             yield bar

@@ -37,12 +37,12 @@ def test_branch_is_saved_resumed_switched_and_varied(capsys, tmp_path):
     assert table.v.iloc[-1] == 1.01
     assert table[table.special == "bp"].lambda2.iloc[0] == pytest.approx(-0.376218681462, abs=1e-10)
     assert is_png(tmp_path / "b.png")
-    status, out, _ = run(capsys, "branch", "pearl", "--resume", saved, "--until", "v=1.02", "--save", more)
+    status, out, _ = run(capsys, "resume", saved, "--until", "v=1.02", "--save", more)
     longer = pd.read_csv(io.StringIO(out), keep_default_na=False)
     assert longer.iloc[: len(table) - 1].equals(table.iloc[:-1])
-    status, out, _ = run(capsys, "branch", "pearl", "--resume", more, "--switch", "1", "--until", "v=1.05")
+    status, out, _ = run(capsys, "switch", more, "1", "--until", "v=1.05")
     assert (pd.read_csv(io.StringIO(out)).n_unstable == 0).all()
-    status, out, _ = run(capsys, "branch", "pearl", "--resume", more, "--vary", "c0", "--down", "--until", "c0=0.47")
+    status, out, _ = run(capsys, "vary", more, "c0", "--down", "--until", "c0=0.47")
     assert status == 0
     assert pd.read_csv(io.StringIO(out)).c0.iloc[-1] == 0.47
 
@@ -70,7 +70,7 @@ def test_cells_of_a_shape_are_those_of_the_tube(capsys):
 def test_a_fold_is_followed(capsys, tmp_path):
     saved = str(tmp_path / "b.h5")
     run(capsys, "branch", "pearl", "--c0", "0.75", "--length", "10", "--until", "v=0.99", "--save", saved)
-    arguments = ["branch", "pearl", "--resume", saved, "--follow", "fold:v:1", "--vary", "c0", "--down"]
+    arguments = ["follow", saved, "fold:v:1", "c0", "--down"]
     status, out, err = run(
         capsys, *arguments, "--max-step", "0.2", "--until", "c0=0.7", "--plot", str(tmp_path / "f.png")
     )
@@ -78,8 +78,14 @@ def test_a_fold_is_followed(capsys, tmp_path):
     table = pd.read_csv(io.StringIO(out), keep_default_na=False)
     assert table.c0.iloc[-1] == 0.7
     assert is_png(tmp_path / "f.png")
-    for change in (["--save", saved], ["--follow", "fold:1"], ["--follow", "bp:9"]):
-        status, _, err = run(capsys, *arguments, *change)
+    for change in (
+        [*arguments, "--save", saved],
+        ["follow", saved, "fold:1", "c0"],
+        ["follow", saved, "bp:9", "c0"],
+        ["follow", saved, "bp:1", "v"],
+        ["follow", str(tmp_path / "nothing.h5"), "bp:1", "c0"],
+    ):
+        status, _, err = run(capsys, *change)
         assert (status, err.count("\n")) == (2, 1)
 
 
@@ -87,7 +93,7 @@ def test_options_that_a_saved_branch_has_already(capsys, tmp_path):
     saved = str(tmp_path / "b.h5")
     run(capsys, "branch", "pearl", "--c0", "0", "--length", "10", "--max-points", "3", "--save", saved)
     for option in (["--pressure"], ["--tolerance", "1e-8"], ["--mode", "2,0"], ["--c0", "0"]):
-        status, _, err = run(capsys, "branch", "pearl", "--resume", saved, *option)
+        status, _, err = run(capsys, "resume", saved, *option)
         assert (status, err.count("\n")) == (2, 1)
 
 
@@ -104,9 +110,9 @@ def test_a_branch_that_does_not_get_there_says_so(capsys):
 @pytest.mark.parametrize(
     ("options", "advice"),
     [
-        (["--c0", "0", "--length", "10", "--until", "v=0.9"], "has the same shapes"),
-        (["--resume", "SAVED", "--vary", "c0", "--until", "c0=-0.2"], "give --down"),
-        (["--resume", "SAVED", "--vary", "c0", "--down", "--until", "c0=0.5"], "leave --down out"),
+        (["branch", "pearl", "--c0", "0", "--length", "10", "--until", "v=0.9"], "has the same shapes"),
+        (["vary", "SAVED", "c0", "--until", "c0=-0.2"], "give --down"),
+        (["vary", "SAVED", "c0", "--down", "--until", "c0=0.5"], "leave --down out"),
     ],
 )
 def test_a_branch_that_moves_away_from_its_goal_says_so(capsys, tmp_path, options, advice):
@@ -114,7 +120,7 @@ def test_a_branch_that_moves_away_from_its_goal_says_so(capsys, tmp_path, option
     saved = str(tmp_path / "b.h5")
     run(capsys, "branch", "pearl", "--c0", "0", "--length", "10", "--until", "v=1.1", "--save", saved)
     options = [saved if option == "SAVED" else option for option in options]
-    status, _, err = run(capsys, "branch", "pearl", *options, "--max-points", "5", "--max-step", "0.1")
+    status, _, err = run(capsys, *options, "--max-points", "5", "--max-step", "0.1")
     assert (status, err.count("\n")) == (1, 1)
     assert "--max-points = 5 reached; " in err
     assert "moved away from its wanted value from the start on" in err
@@ -150,36 +156,37 @@ def test_tubes_are_saved_resumed_and_switched(capsys, tmp_path):
     saved, mixed = str(tmp_path / "c.h5"), str(tmp_path / "m.h5")
     coils = ["branch", "coil", "--c0", "0.48", "--length", "10", "--until", "v=0.905", "--save", saved]
     assert run(capsys, *coils)[0] == 0
-    status, out, err = run(
-        capsys, "branch", "coil", "--resume", saved, "--switch", "1", "--until", "v=0.907", "--save", mixed
-    )
+    status, out, err = run(capsys, "switch", saved, "1", "--until", "v=0.907", "--save", mixed)
     assert (status, err) == (0, "")
     table = pd.read_csv(io.StringIO(out))
     assert (table.n_unstable == 0).all()
     assert table.mu_error.max() < 1e-7
-    status, out, _ = run(capsys, "branch", "coil", "--resume", mixed, "--until", "v=0.9075")
+    status, out, _ = run(capsys, "resume", mixed, "--until", "v=0.9075")
     assert status == 0
     assert pd.read_csv(io.StringIO(out)).v.iloc[-1] == pytest.approx(0.9075, abs=1e-11)
 
 
 @pytest.mark.parametrize(
-    ("family", "options", "named"),
+    ("command", "options", "named"),
     [
-        ("pearl", ("--resume", "SAVED"), "--resume"),
-        ("ring", ("--resume", "SAVED", "--vary", "L"), "studies.ring_onsets"),
-        ("ring", ("--resume", "SAVED", "--switch", "1", "--centre", "neck"), "--centre"),
-        ("ring", ("--resume", "SAVED", "--switch", "7"), "--switch"),
-        ("coil", ("--c0", "0", "--length", "10", "--tolerance", "1e-8"), "--tolerance"),
-        ("ring", ("--c0", "0", "--length", "10", "--mode", "1,2"), "--mode"),
-        ("coil", ("--c0", "0", "--length", "10", "--mode", "1,0"), "--mode"),
-        ("coil", ("--c0", "0", "--length", "0"), "--length"),
-        ("buckle", ("--c0", "nan", "--length", "10"), "--c0"),
+        ("branch ring", ("--resume", "SAVED"), "--resume"),
+        ("branch torus", ("--c0", "0", "--length", "10"), "choose one of pearl, ring, coil, buckle"),
+        ("vary", ("SAVED", "L"), "studies.ring_onsets"),
+        ("switch", ("SAVED", "1", "--centre", "neck"), "--centre"),
+        ("switch", ("SAVED", "7"), "none of number 7"),
+        ("branch coil", ("--c0", "0", "--length", "10", "--tolerance", "1e-8"), "--tolerance"),
+        ("branch ring", ("--c0", "0", "--length", "10", "--mode", "1,2"), "--mode"),
+        ("branch coil", ("--c0", "0", "--length", "10", "--mode", "1,0"), "--mode"),
+        ("branch coil", ("--c0", "0", "--length", "0"), "--length"),
+        ("branch buckle", ("--c0", "nan", "--length", "10"), "--c0"),
+        ("branch coil", ("--c0", "0", "--length", "10", "--shape", "0.1", "--volume", "1"), "--shape"),
+        ("branch pearl", ("--c0", "0", "--length", "10", "--cells", "2"), "--cells: it goes with --shape"),
     ],
 )
-def test_options_that_a_family_does_not_have(capsys, tmp_path, family, options, named):
+def test_options_that_a_family_does_not_have(capsys, tmp_path, command, options, named):
     saved = str(tmp_path / "r.h5")
     run(capsys, "branch", "ring", "--c0=-1", "--length", "10", "--until", "v=0.99", "--save", saved)
-    status, out, err = run(capsys, "branch", family, *(saved if option == "SAVED" else option for option in options))
+    status, out, err = run(capsys, *command.split(), *(saved if option == "SAVED" else option for option in options))
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert named in err
 
@@ -192,9 +199,9 @@ def test_where_pearls_lose_their_symmetry_about_the_axis_the_command_is_said_tha
     path, unit = tmp_path / "b.h5", [] if radius == 1 else ["--radius", radius]
     given = ["--c0", repr(0.9 / radius), "--length", repr(12 * radius), *unit]
     run(capsys, "branch", "pearl", *given, "--until", "v=1.0284", "--save", path)
-    status, _, err = run(capsys, "branch", "pearl", "--resume", path, "--max-points", 12, "--save", path, *unit)
+    status, _, err = run(capsys, "resume", path, "--max-points", 12, "--save", path, *unit)
     assert status == 0, err
-    status, _, err = run(capsys, "branch", "pearl", "--resume", path, "--switch", 1, *unit)
+    status, _, err = run(capsys, "switch", path, 1, *unit)
     assert status == 2
     assert "n = 1 branch off" in err
     assert f"lambda2 = {-0.19410923 / radius**3:.4g}, v = 1.02842" in err

@@ -119,7 +119,6 @@ GOOD = {
         ("branch", {"--until": "c0=0.5"}, "--until"),
         ("branch", {"--length": "6.283185307179586"}, "--mode"),
         ("branch", {"--switch": "1"}, "--switch"),
-        ("branch", {"--resume": "nothing.h5"}, "--resume"),
         ("branch", {"--save": "no/such/b.h5"}, "--save"),
         ("branch", {"--step": "0"}, "--step"),
         ("branch", {"--max-step": "0"}, "--max-step"),
@@ -307,15 +306,15 @@ def test_no_output_overwrites_another_or_the_branch_it_starts_from(capsys, tmp_p
     )
     before = saved.read_bytes()
     for options, name in (
-        (["--resume", saved, "--out", saved], "--out"),
-        (["--resume", saved, "--save", tmp_path / "x", "--out", tmp_path / "x"], "--save"),
-        (["--resume", saved, "--save", tmp_path / "y", "--plot", tmp_path / "y"], "--save"),
+        (["--out", saved], "--out"),
+        (["--save", tmp_path / "x", "--out", tmp_path / "x"], "--save"),
+        (["--save", tmp_path / "y.png", "--plot", tmp_path / "y.png"], "--save"),
     ):
-        status, _, err = run(capsys, "branch", "pearl", *map(str, options))
+        status, _, err = run(capsys, "resume", saved, *map(str, options))
         assert status == 2
         assert err.startswith(f"pearlbvp: {name}: ")
     assert saved.read_bytes() == before
-    assert run(capsys, *map(str, ("branch", "pearl", "--resume", saved, "--save", saved, "--until", "v=1.02")))[0] == 0
+    assert run(capsys, *map(str, ("resume", saved, "--save", saved, "--until", "v=1.02")))[0] == 0
 
 
 def test_amplitude_writes_coefficients_predictions_and_comparisons(capsys, tmp_path):

@@ -372,7 +372,7 @@ def test_the_end_of_a_flow_becomes_a_branch(capsys, folder):
     )  # fmt: skip
     assert status == 0
     assert "a right-handed coil; to all perturbations of this tube: n_unstable = 0" in err
-    status, out, err = run(capsys, "branch", "coil", "--resume", str(end), "--until", "v=0.9")
+    status, out, err = run(capsys, "resume", str(end), "--until", "v=0.9")
     assert (status, err) == (0, "")
     there = family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.9})).points[-1]
     last = pd.read_csv(io.StringIO(out)).iloc[-1]

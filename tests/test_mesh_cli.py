@@ -73,7 +73,7 @@ def test_a_branch_on_a_mesh_is_the_coil_of_reduced_modes(saved, coil):
 
 def test_it_is_resumed_under_any_family_s_name(capsys, saved, coil):
     exact = coil.points[-1].observables
-    status, out, _ = run(capsys, "branch", "pearl", "--resume", saved[0], "--until", "v=0.95")
+    status, out, _ = run(capsys, "resume", saved[0], "--until", "v=0.95")
     assert status == 0
     assert table_of(out).lambda2.iloc[-1] == pytest.approx(exact["lambda2"], rel=3e-3)
 
@@ -141,7 +141,6 @@ def test_other_errors_inside_compiled_code_are_no_interruption(monkeypatch):
         (["--nodes", "100", "--length", "1000"], "--nodes"),
         (["--nodes", "500", "--shape", "0.1", "--volume", "1"], "--shape"),
         (["--nodes", "500", "--tolerance", "1e-8"], "--tolerance"),
-        (["--nodes", "500", "--vary", "L"], "--vary"),
         (["--discretization", "cotangent"], "--discretization"),
     ],
 )
@@ -154,11 +153,11 @@ def test_mistakes_with_nodes_are_one_line(capsys, arguments, name):
 
 @pytest.mark.parametrize(
     ("arguments", "name"),
-    [(["--vary", "c0"], "--vary"), (["--nodes", "500"], "--nodes"), (["--switch", "1", "--centre", "neck"], "--centre"),
-     (["--switch", "4"], "--switch")],
+    [(["vary", "SAVED", "c0"], "keeps its c0"), (["resume", "SAVED", "--nodes", "500"], "--nodes"),
+     (["switch", "SAVED", "1", "--centre", "neck"], "--centre"), (["switch", "SAVED", "4"], "none of number 4")],
 )  # fmt: skip
 def test_what_a_saved_branch_on_a_mesh_does_not_have(capsys, saved, arguments, name):
-    status, out, err = run(capsys, "branch", "pearl", "--resume", saved[0], *arguments)
+    status, out, err = run(capsys, *(saved[0] if argument == "SAVED" else argument for argument in arguments))
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert name in err
 

@@ -56,8 +56,8 @@ def pictures(capsys, saved, folder):
         "dispersion.eps": ("dispersion", "--c0", 0.48, "--length", 30),
         "noending": ("dispersion", "--c0", 0.48, "--length", 30),
         "dispersion.jpg": ("dispersion", "--c0", 0.48, "--length", 30),
-        "pearl.png": ("branch", "pearl", "--resume", saved / "pearl.h5", *resumed),
-        "coil.png": ("branch", "coil", "--resume", saved / "coil.h5", *resumed),
+        "pearl.png": ("resume", saved / "pearl.h5", *resumed),
+        "coil.png": ("resume", saved / "coil.h5", *resumed),
         "mesh.png": ("mesh", "--from", saved / "coil.h5", "--nodes", 300),
         "flow.png": ("flow", "--from", saved / "pearl.h5", "--time", 1e-5, "--points", 32, "--movie", folder / "f.gif"),
     }.items():

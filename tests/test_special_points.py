@@ -36,6 +36,7 @@ class Spectral(Curve):
 
     trivial_block = "own"
     conserved = "y"
+    constant = ()
 
     def poles(self, u):
         return {}

@@ -192,7 +192,7 @@ def test_rings_are_refused():
 
 def rows_of(capsys, *arguments):
     """Table of ``pearlbvp branch coil``, which has to succeed."""
-    status, out, err = run(capsys, "branch", "coil", *arguments)
+    status, out, err = run(capsys, *arguments)
     assert status == 0, err
     return pd.read_csv(io.StringIO(out), keep_default_na=False)
 
@@ -200,16 +200,16 @@ def rows_of(capsys, *arguments):
 def test_tubes_are_varied_and_followed_from_the_command_line(coils, capsys, tmp_path):
     saved, moved = tmp_path / "c.h5", tmp_path / "m.h5"
     save(coils, saved)
-    arguments = ["--resume", str(saved), "--vary", "c0", "--down"]
+    arguments = ["vary", str(saved), "c0", "--down"]
     place = coils.find("bp")[0].index
     table = rows_of(capsys, *arguments, "--point", str(place), "--until", "c0=0.47", "--save", str(moved))
     assert table.special.iloc[-1] == "stop"  # what the branch starts at is not met once more
     assert table.c0.iloc[-1] == 0.47
     assert table.v.iloc[-1] == pytest.approx(0.906194, abs=1e-6)
-    table = rows_of(capsys, "--resume", str(moved), "--vary", "L", "--keep", "lambda2", "--until", "L=10.2")
+    table = rows_of(capsys, "vary", str(moved), "L", "--keep", "lambda2", "--until", "L=10.2")
     assert np.ptp(table.lambda2) == 0
     assert table.L.iloc[-1] == 10.2
     plot = tmp_path / "f.png"
-    table = rows_of(capsys, *arguments, "--follow", "bp:1", "--until", "c0=0.47", "--plot", str(plot))
+    table = rows_of(capsys, "follow", str(saved), "bp:1", "c0", "--down", "--until", "c0=0.47", "--plot", str(plot))
     assert table.c0.iloc[-1] == pytest.approx(0.47, abs=1e-10)
     assert plot.read_bytes()[:4] == b"\x89PNG"

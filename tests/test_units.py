@@ -235,9 +235,9 @@ def test_a_branch_through_a_shape(capsys):
 
 def test_a_saved_branch_is_resumed_with_a_radius(capsys, saved):
     """What is saved is in radii, whatever the unit of the table."""
-    status, out, err = run(capsys, "branch", "pearl", "--resume", saved, "--max-points", 6)
+    status, out, err = run(capsys, "resume", saved, "--max-points", 6)
     assert status == 0, err
-    status, other, err = run(capsys, "branch", "pearl", "--resume", saved, "--max-points", 6, "--radius", R)
+    status, other, err = run(capsys, "resume", saved, "--max-points", 6, "--radius", R)
     check(table_of(out), table_of(other), POWERS, rtol=1e-9)
 
 

@@ -51,6 +51,24 @@ class Radius(click.ParamType):
         return value if isinstance(value, Units) else Units(positive(_option(param), value), given=True)
 
 
+class FamilyName(click.ParamType):
+    """The name of a family of shapes, of the package or added to it."""
+
+    name = "family"
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """The package's own, for the help."""
+        return "[pearl|ring|coil|buckle]"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Look it up."""
+        from pearlbvp.studies.families import names
+
+        if value not in names():
+            raise InputError(f"FAMILY: {value!r} is none; choose one of {', '.join(names())}")
+        return str(value)
+
+
 class Nodes(click.ParamType):
     """Vertices of a mesh: a whole number."""
 
@@ -127,7 +145,7 @@ class SpecialKind(click.ParamType):
         """Split and parse the text."""
         kind, _, number = str(value).rpartition(":")
         if not (kind == "bp" or kind.startswith("fold:")) or not number.isdigit():
-            raise InputError(f"--follow: {value!r} must be bp:K or fold:NAME:K, like fold:v:1")
+            raise InputError(f"KIND:K: {value!r} must be bp:K or fold:NAME:K, like fold:v:1")
         return kind, int(number)
 
 

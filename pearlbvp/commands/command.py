@@ -15,6 +15,46 @@ ALSO = {"length": ("--periods", "--period", "--lengths"), "v": ("--volume",)}
 """Options that hold what the package calls otherwise, where a command has none of its name."""
 
 
+class Option(click.Option):
+    """An option that says what it needs and excludes where it is declared, by the names of parameters.
+
+    Attributes:
+        needs: it says nothing without one of these.
+        excludes: it does not go with any of these.
+    """
+
+    def __init__(self, *args: Any, needs: Sequence[str] = (), excludes: Sequence[str] = (), **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.needs, self.excludes = tuple(needs), tuple(excludes)
+
+
+def options_given(context: click.Context) -> set[str]:
+    """Names of the parameters that stand on the command line."""
+    source = click.core.ParameterSource.COMMANDLINE
+    return {name for name, value in context.params.items()
+            if context.get_parameter_source(name) == source and value not in ((), None)}  # fmt: skip
+
+
+def check_options(context: click.Context) -> None:
+    """Refuse options that do not go with each other, or say nothing.
+
+    Raises:
+        InputError: the option, and what it needs or excludes.
+    """
+    on_line = options_given(context)
+    typed = {str(param.name): param.human_readable_name.upper() if isinstance(param, click.Argument) else param.opts[0]
+             for param in context.command.params}  # fmt: skip
+    for param in context.command.params:
+        if not isinstance(param, Option) or param.name not in on_line:
+            continue
+        other = next((name for name in param.excludes if name in on_line), None)
+        if other is not None:
+            raise InputError(f"{param.opts[0]}: it does not go with {typed[other]}; leave one of the two out")
+        if param.needs and not on_line & set(param.needs):
+            words = " or ".join(typed[name] for name in param.needs)
+            raise InputError(f"{param.opts[0]}: it goes with {words}; give that too, or leave it out")
+
+
 class Command(click.Command):
     """A command of the package: what its studies say of an argument is said of the option that it came from."""
 
@@ -25,6 +65,7 @@ class Command(click.Command):
             InputError: as the command does, in the words of the command line.
         """
         try:
+            check_options(ctx)
             return super().invoke(ctx)
         except InputError as error:
             raise InputError(as_typed(_units(ctx).said(error.args[0]), self.params)) from None

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number, Until, wanted_places
-from pearlbvp.commands.branch import given_options
-from pearlbvp.commands.command import Command
-from pearlbvp.commands.output import check_distinct, check_outputs, outputs, radius_option, write
+from pearlbvp.commands.command import Command, Option, of_this_command
+from pearlbvp.commands.output import SOME_FAILED, check_distinct, check_outputs, outputs, radius_option, write
 from pearlbvp.errors import InputError
+from pearlbvp.messages import say
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
+    from pearlbvp.continuation.branch import Branch
     from pearlbvp.units import Units
 
 
@@ -31,24 +30,39 @@ if TYPE_CHECKING:
 @click.argument("files", type=click.Path(path_type=Path), nargs=-1, metavar="[FILE.h5 ...]")
 @click.option("--x", default="v", show_default=True, metavar="COLUMN", help="Drawn to the right: any column.")
 @click.option("--y", default="E", show_default=True, metavar="COLUMN", help="Drawn upwards: any column.")
-@click.option("--c0", type=Number(), help="Without files: spontaneous curvature.")
-@click.option("--length", type=Number(), metavar="L", help="Without files: axial period of the tube.")
+@click.option("--c0", cls=Option, excludes=("files",), type=Number(), help="Without files: spontaneous curvature.")
+@click.option(
+    "--length",
+    cls=Option,
+    excludes=("files",),
+    type=Number(),
+    metavar="L",
+    help="Without files: axial period of the tube.",
+)
 @click.option(
     "--depth",
+    cls=Option,
+    excludes=("files",),
     type=click.IntRange(min=0),
     default=1,
     show_default=True,
     help="Without files: 0 for branches from the straight tube, 1 for those that cross them, too, and so on.",
 )
 @click.option(
-    "--mode", "modes", type=ModeNumbers(), multiple=True,
+    "--mode", "modes", cls=Option, excludes=("files",), type=ModeNumbers(), multiple=True,
     help="Without files: follow every family of these modes.  [default: all pearls of k < 1]",
 )  # fmt: skip
 @click.option(
-    "--until", type=Until(), multiple=True,
+    "--until", cls=Option, excludes=("files",), type=Until(), multiple=True,
     help="Without files: where every branch stops.  [default: pearls at v=1.1, mixed tubes at 0.9, others at 0.85]",
 )  # fmt: skip
-@click.option("--processes", type=click.IntRange(min=1), help="Without files: how many.  [default: one a core]")
+@click.option(
+    "--processes",
+    cls=Option,
+    excludes=("files",),
+    type=click.IntRange(min=1),
+    help="Without files: how many.  [default: one a core]",
+)
 @outputs
 @radius_option
 def diagram(
@@ -73,25 +87,24 @@ def diagram(
     out, plot = check_outputs(out, plot)
     for file in files:
         check_distinct({"FILE": Path(os.path.realpath(file)), "--out": out, "--plot": plot})
-    idle = sorted(given_options(click.get_current_context()) & {"c0", "length", "depth", "modes", "until", "processes"})
-    if files and idle:
-        name = "mode" if idle[0] == "modes" else idle[0]
-        raise InputError(f"--{name}: it is for branches that are computed; leave it or the files out")
     if not files and (c0 is None or length is None):
         raise InputError("FILE, --c0, --length: give saved branches, or c0 and length of a tube")
     _check_columns(x, y)
+    from pearlbvp.studies.diagram import together
+
     if files:
-        table = _saved(files)
+        branches = _saved(files)
     else:
-        table = _computed(c0, length, depth, modes, until, processes, units)  # type: ignore[arg-type]
-    table = units.columns(table)
+        branches = _computed(c0, length, depth, modes, until, processes, units)  # type: ignore[arg-type]
+    table = units.columns(together(branches))
 
     def draw() -> Figure:
         from pearlbvp.figures.diagram import draw_plane
 
         return draw_plane(table, x, y, units=units)
 
-    return write(table, out, plot, draw)
+    status = write(table, out, plot, draw)
+    return status if files or not any(branch.failed for branch in branches.values()) else SOME_FAILED
 
 
 def _check_columns(*names: str) -> None:
@@ -108,17 +121,16 @@ def _check_columns(*names: str) -> None:
             raise InputError(f"{option}: {name!r} is no column with numbers; choose one of {', '.join(numbers)}")
 
 
-def _saved(files: tuple[Path, ...]) -> pd.DataFrame:
-    """Saved branches under one another, each by the shortest part of its path that is its own."""
+def _saved(files: tuple[Path, ...]) -> dict[str, Branch[Any]]:
+    """Saved branches, each by the shortest part of its path that is its own."""
     from pearlbvp.studies import saved
-    from pearlbvp.studies.diagram import together
 
     stems = [file.stem for file in files]
     names = [file.stem if stems.count(file.stem) == 1 else str(file) for file in files]
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise InputError(f"FILE: {twice} is given twice; give it once")
-    return together({name: saved.load(file, "FILE") for name, file in zip(names, files, strict=True)})
+    return {name: saved.load(file, "FILE") for name, file in zip(names, files, strict=True)}
 
 
 def _computed(
@@ -129,7 +141,7 @@ def _computed(
     until: tuple[tuple[str, float], ...],
     processes: int | None,
     units: Units,
-) -> pd.DataFrame:
+) -> dict[str, Branch[Any]]:
     """All branches of a tube to a depth.
 
     Raises:
@@ -152,7 +164,10 @@ def _computed(
             tube.c0, tube.length, depth, options, follow, modes=list(modes) or None, processes=processes or 0
         )  # fmt: skip
     for name, why in found.skipped.items():
-        print(f"pearlbvp: {name} was not followed: {why}", file=sys.stderr)
+        say(f"{name} was not followed: {of_this_command(why)}")
+    for name, branch in found.branches.items():
+        if branch.failed:
+            say(f"{name} ends: {of_this_command(branch.reason)}")
     if not found.branches:
         raise InputError("--mode: no branch could be followed; choose other modes, or another length")
-    return found.table()
+    return found.branches

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -13,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import ModeNumbers, Number
-from pearlbvp.commands.branch import given_options
-from pearlbvp.commands.command import Command, of_this_command
+from pearlbvp.commands.command import Command, of_this_command, options_given
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -27,6 +25,7 @@ from pearlbvp.commands.output import (
     write,
 )
 from pearlbvp.errors import InputError
+from pearlbvp.messages import say
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -132,7 +131,7 @@ def flow(
     from pearlbvp.studies import saved
 
     velocity = positive("velocity", velocity)
-    given, branch = given_options(click.get_current_context()), None
+    given, branch = options_given(click.get_current_context()), None
     if source is not None:
         branch = saved.load(source, "--from")
         start["family"] = saved.family_of(branch) if "family" not in given else start["family"]
@@ -200,10 +199,10 @@ def flow(
         others.append(lambda: write_whole("--movie", movie, write_frames))
     write(table, out, plot, draw, others)
     advice = f"; {result.advice}" if result.advice else ""
-    print(f"pearlbvp: {result.status}: {of_this_command(units.said(result.reason) + advice)}", file=sys.stderr)
+    say(f"{result.status}: {of_this_command(units.said(result.reason) + advice)}")
     branch, words = end()
     if words:
-        print(f"pearlbvp: {words}", file=sys.stderr)
+        say(words)
     if result.status == "interrupted":
         return INTERRUPTED
     return DONE if result.complete and (save_end is None or branch is not None) else SOME_FAILED
@@ -347,8 +346,6 @@ def _of_a_file(
     path: Path, units: Units, c0: float, length: float, kind: Any, law: Any, pressure: float
 ) -> tuple[Any, Any]:
     """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
-    from tqdm import tqdm
-
     from pearlbvp.mesh.files import check_radius, read_tube
     from pearlbvp.studies.flow_start import surface_start
 
@@ -356,7 +353,7 @@ def _of_a_file(
     surface = units.surface_from_user(found)
     check_radius(surface)
     if said:
-        tqdm.write(f"pearlbvp: {said}", file=sys.stderr)  # beside a progress bar
+        say(said)
     return surface_start(c0, surface, kind=kind, law=law, pressure=pressure)
 
 

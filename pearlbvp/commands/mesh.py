@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import Nodes, Number, check_meshable
-from pearlbvp.commands.branch import given_options
-from pearlbvp.commands.command import Command
+from pearlbvp.commands.command import Command, options_given
 from pearlbvp.commands.output import check_distinct, check_outputs, radius_option, write
 from pearlbvp.errors import InputError
+from pearlbvp.messages import say
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -64,7 +63,7 @@ def mesh(
 
     The mesh is one period, cut where it begins again. A shape of a branch on a mesh comes with its own triangles.
     """
-    given = given_options(click.get_current_context())
+    given = options_given(click.get_current_context())
     _refuse_idle(given)
     _, plot = check_outputs(None, plot)
     if out is not None:
@@ -112,10 +111,7 @@ def mesh(
 
     status = write(units.columns(table), None, plot, draw, others)
     if solve and abs(table["mu_crit"][0]) < DOUBTFUL * table["mu_error"][0]:
-        print(
-            "pearlbvp: mu_crit is not much larger than mu_error, so n_unstable is not certain; give more --nodes",
-            file=sys.stderr,
-        )
+        say("mu_crit is not much larger than mu_error, so n_unstable is not certain; give more --nodes")
     return status
 
 

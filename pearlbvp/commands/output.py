@@ -17,6 +17,7 @@ import click
 from pearlbvp.commands.arguments import Radius
 from pearlbvp.commands.command import of_this_command
 from pearlbvp.errors import InputError
+from pearlbvp.messages import drop, say, why_not_written
 from pearlbvp.units import RADII
 
 if TYPE_CHECKING:
@@ -65,7 +66,8 @@ def _print_table(table: pd.DataFrame) -> None:
     except BrokenPipeError:  # the reader has had enough, which is no failure
         raise
     except OSError as error:
-        raise InputError(f"standard output: {error.strerror}; free space or use --out") from None
+        drop(sys.stdout)
+        raise InputError(why_not_written(error)) from None
 
 
 def _call(module: str, name: str, arguments: tuple[Any, ...]) -> Any:
@@ -173,7 +175,7 @@ def write(
         if column in table:
             failed = max(failed, int((table[column] == "failed").sum()))
     if failed:
-        print(f"pearlbvp: {failed} of {len(table)} rows failed; the message column says why", file=sys.stderr)
+        say(f"{failed} of {len(table)} rows failed; the message column says why")
     return SOME_FAILED if failed else DONE
 
 

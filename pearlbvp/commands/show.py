@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.branch import given_options
-from pearlbvp.commands.command import Command
+from pearlbvp.commands.command import Command, Option, options_given
 from pearlbvp.commands.output import (
     DONE,
     check_distinct,
@@ -23,6 +21,7 @@ from pearlbvp.commands.output import (
     write_table,
 )
 from pearlbvp.errors import InputError
+from pearlbvp.messages import say
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,6 +40,8 @@ SURFACES = (".csv", ".obj", ".ply", ".vtu")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.h5")
 @click.option(
     "--point",
+    cls=Option,
+    needs=("profile", "surface"),
     metavar="K|NAME=VALUE|KIND:K",
     help="Of which point: its number, a column's value, or a special point (bp, fold:v:2).  [default: the last]",
 )
@@ -53,13 +54,21 @@ SURFACES = (".csv", ".obj", ".ply", ".vtu")
 )
 @click.option(
     "--samples",
+    cls=Option,
+    needs=("profile",),
     type=click.IntRange(min=4),
     default=400,
     show_default=True,
     help="With --profile: steps of a period, or around a section.",
 )
 @click.option(
-    "--nodes", type=click.IntRange(min=20), default=3000, show_default=True, help="With --surface: points, about."
+    "--nodes",
+    cls=Option,
+    needs=("surface",),
+    type=click.IntRange(min=20),
+    default=3000,
+    show_default=True,
+    help="With --surface: points, about.",
 )
 @outputs
 @radius_option
@@ -99,15 +108,13 @@ def show(
             "--surface": surface,
         }
     )
-    given = given_options(click.get_current_context())
-    for name, needed in (("point", ("profile", "surface")), ("samples", ("profile",)), ("nodes", ("surface",))):
-        if name in given and not given & set(needed):
-            raise InputError(f"--{name}: it goes with --{' or --'.join(needed)}; give that too, or leave it out")
     from pearlbvp.flow.checkpoint import KIND
     from pearlbvp.hdf5 import kind_of
 
     if kind_of("FILE", file) == KIND:
-        shape = next((name for name in ("profile", "surface") if name in given), None)
+        shape = next(
+            (name for name in ("profile", "surface") if name in options_given(click.get_current_context())), None
+        )
         if shape is not None:
             raise InputError(
                 f"--{shape}: {file} is a saved flow, which has none; write its end with pearlbvp flow --resume {file} "
@@ -152,8 +159,8 @@ def _branch(
 
     status = write(table, out, plot, draw, others)
     if note:
-        print(f"pearlbvp: {units.said(note)}", file=sys.stderr)
-    print(branch.described(units.said, units.to_user), file=sys.stderr)
+        say(units.said(note))
+    say(branch.described(units.said, units.to_user), begin="")
     return status
 
 
@@ -187,9 +194,9 @@ def _flow(file: Path, out: Path | None, plot: Path | None, units: Units) -> int:
     write(table, out, plot, draw)
     model = getattr(state.problem, "reference", state.problem)  # of a flow on a mesh, that knows the model
     c0, length = units.to_user("c0", model.c0), units.to_user("L", model.length)
-    print(
+    say(
         f"a flow, saved at t = {units.to_user('t', state.t):.8g}: {len(table)} steps, c0 = {c0:.8g}, L = {length:.8g}\n"
         f"  it goes on with pearlbvp flow --resume {file}, which can save its end (--save-end)",
-        file=sys.stderr,
+        begin="",
     )
     return DONE

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from enum import Enum
 from typing import TYPE_CHECKING, Any, Generic
 
 from pearlbvp.continuation.problem import P
@@ -16,6 +17,27 @@ if TYPE_CHECKING:
 
 MOST_SPECIAL = 14
 """Special points that are named one by one where a branch is described."""
+
+
+class Status(Enum):
+    """How a branch ends. A reason says it of this one, in words."""
+
+    RUNNING = "running"
+    """It has not ended."""
+    REACHED = "reached"
+    """Where it was asked to."""
+    GIVEN = "given"
+    """It was not followed: a prediction, or the end of a flow."""
+    POINTS = "max_points"
+    """It has as many points as were allowed; it can go on."""
+    LIMIT = "limit"
+    """Where its shapes end, or can be described no further."""
+    PITCHFORK = "pitchfork"
+    """Where it meets a more symmetric branch; beyond, it would repeat its own mirror images."""
+    FAILED = "failed"
+    """Where something could not be computed."""
+    INTERRUPTED = "interrupted"
+    """Where somebody stopped it."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +74,9 @@ class Branch(Generic[P]):
 
     points: list[Solution[P]]
     special: list[SpecialPoint]
+    status: Status
     reason: str
-    complete: bool
+    astray: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return self.described()
@@ -82,6 +105,16 @@ class Branch(Generic[P]):
         words += [f"{special.change:+d} unstable"] if special.change else []
         return ", ".join(words if special.converged else [*words, "not located"])
 
+    @property
+    def complete(self) -> bool:
+        """Whether it ends where it was asked to."""
+        return self.status in (Status.REACHED, Status.GIVEN)
+
+    @property
+    def failed(self) -> bool:
+        """Whether it ends because something could not be computed, neither by request nor with its shapes."""
+        return self.status is Status.FAILED
+
     def kinds(self, index: int) -> list[str]:
         """All that is special at a point."""
         return [special.kind for special in self.special if special.index == index]
@@ -89,6 +122,11 @@ class Branch(Generic[P]):
     def find(self, kind: str) -> list[SpecialPoint]:
         """The special points of a kind, in order; ``fold`` finds all folds."""
         return [special for special in self.special if is_of_kind(special.kind, kind)]
+
+    def asked(self, until: Mapping[str, int]) -> SpecialPoint | None:
+        """The first of the special points that are wanted, by kind and number, if it is among the branch's."""
+        of_kinds = (self.find(kind)[number - 1 : number] for kind, number in until.items())
+        return min((s for found in of_kinds for s in found), key=lambda s: s.index, default=None)
 
     def at(self, special: SpecialPoint) -> Solution[P]:
         """The point of a special point."""
@@ -128,20 +166,20 @@ class Branch(Generic[P]):
         last = len(self.points) - 1
         points = [entry.turned() for entry in self.points[::-1]]
         special = [replace(s, index=last - s.index, change=-s.change) for s in self.special[::-1]]
-        return Branch(points, special, self.reason, self.complete)
+        return replace(self, points=points, special=special)
 
     def without_last(self) -> Branch[P]:
         """The branch without its last point, and what is special there but the end."""
         last = len(self.points) - 2
         kept = [s for s in self.special if s.index <= last] + [SpecialPoint("end", last)]
-        return Branch(self.points[:-1], kept, self.reason, self.complete)
+        return replace(self, points=self.points[:-1], special=kept)
 
     def extended(self, further: Branch[P]) -> Branch[P]:
         """This branch and one that starts at its last point, as one."""
         offset = len(self.points) - 1
         kept = [s for s in self.special if s.kind not in ("end", "stop") or s.index < offset]
         added = [replace(s, index=s.index + offset) for s in further.special if s.kind != "start"]
-        return Branch(self.points + further.points[1:], kept + added, further.reason, further.complete)
+        return replace(further, points=self.points + further.points[1:], special=kept + added)
 
 
 def is_of_kind(kind: str, wanted: str) -> bool:

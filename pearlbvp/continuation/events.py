@@ -18,6 +18,7 @@ from pearlbvp.continuation.problem import P
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
+from pearlbvp.errors import SpectrumError
 from pearlbvp.representation import brief
 
 
@@ -64,11 +65,18 @@ def _crossing_rates(before: Spectrum, after: Spectrum, neutral: float) -> list[t
     """Blocks and positions of the growth rates that change sign between two points, with their values there.
 
     Rates that are smaller than ``neutral`` at the first point belong to the bifurcation that the branch starts at.
+
+    Raises:
+        SpectrumError: more do than are known at either point.
     """
     found = []
     for block in before.rates.keys() & after.rates.keys():
         rates, later = before.rates[block], after.rates[block]
         low, high = sorted((int((rates > 0).sum()), int((later > 0).sum())))
+        if high > min(len(rates), len(later)):
+            raise SpectrumError(
+                f"{high - low} growth rates of {block} change their sign in one step; take a smaller max_step"
+            )
         found += [(block, k, float(rates[k]), float(later[k])) for k in range(low, high) if abs(rates[k]) > neutral]
     return sorted(found, key=lambda crossing: (str(crossing[0]), crossing[1]))
 

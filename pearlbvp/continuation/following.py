@@ -10,18 +10,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Generic
 
 import numpy as np
 
-from pearlbvp.continuation.branch import Branch, SpecialPoint, is_of_kind
-from pearlbvp.continuation.events import Event, events_between, first_wanted, has_value
+from pearlbvp.continuation.branch import Branch, SpecialPoint, Status, is_of_kind
+from pearlbvp.continuation.events import SAME_VALUE, Event, events_between, first_wanted, has_value
 from pearlbvp.continuation.path import PathEnd, PathOptions, steps
 from pearlbvp.continuation.problem import P, Problem
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.errors import SpectrumError, interrupted
+from pearlbvp.errors import InputError, SpectrumError, interrupted
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,8 @@ class BranchOptions:
         until_special: stop at the special point of a number (the first is 1) of a kind, as ``Branch.find`` takes it, counted
             from the start, which is none.
         folds: observables whose turning points are located, besides those of ``until_special``.
-        limit: a reason to end at a solution besides those of its problem, or None.
+        limit: a reason to end at a solution besides those of its problem, or None; it raises ``SpectrumError`` where something
+            is not known well enough.
         progress: called with the branch so far after each step, to show or to save it.
     """
 
@@ -50,6 +51,11 @@ class BranchOptions:
         """Observables whose turning points are located."""
         asked = (kind.partition(":")[2] for kind in self.until_special if kind.startswith("fold:"))
         return tuple(dict.fromkeys((*self.folds, *asked)))
+
+    def beyond(self, branch: Branch[Any]) -> BranchOptions:
+        """The same for what follows a branch, whose own special points count, and of which ``progress`` sees the whole."""
+        left = {kind: number - len(branch.find(kind)) for kind, number in self.until_special.items()}
+        return replace(self, until_special=left, progress=lambda so_far: self.progress(branch.extended(so_far)))
 
 
 def continue_branch(
@@ -71,109 +77,165 @@ def continue_branch(
     Returns:
         The branch. It is whole up to its end whatever happens: a failing step is a ``reason``, an interruption too. Where
         the start has a wanted value, it is the start alone.
+
+    Raises:
+        InputError: another value is wanted of something that stays as it is on the branch, or a turning point of that.
     """
-    points: list[Solution[P]] = []
-    special: list[SpecialPoint] = [SpecialPoint("start", 0)]
-
-    def end(reason: str, kind: str = "end", advice: str = "") -> Branch[P]:
-        if kind == "end" and reason != INTERRUPTED:
-            reason += "".join(f"; {name} {MOVED_AWAY}" for name in _left_behind(points, options.until)) or advice
-        points.extend([] if points else [replace(start, known=Spectrum.unknown())])
-        special.append(SpecialPoint(kind, len(points) - 1))
-        return Branch(points, special, reason, kind == "stop")
-
+    _refuse_constant(start, options)
+    run = _Run(start, options, at_bifurcation)
     try:
-        points.append(start.computed())
-        if any(has_value(points[0], name, value, exact or {}) for name, value in options.until.items()):
-            return end("the start has the wanted value", "stop")
-        path, tried = steps(start, options.path), math.inf
-        while True:
-            before, at_start = points[-1], at_bifurcation and len(points) == 1
-            point = next(path)
-            walls = point.problem.walls
-            wanted = first_wanted(
-                before, point, {**options.until, **{name: value for name, (value, _) in walls.items()}}
+        return run.to_its_end(exact or {})
+    except (PathEnd, SpectrumError) as error:
+        return run.end(Status.FAILED, error.args[0])  # which may be a sentence with units
+    except np.linalg.LinAlgError as error:
+        reason = f"a spectrum could not be computed ({error}); stop before, or take shorter steps"
+        return run.end(Status.FAILED, reason)
+    except KeyboardInterrupt:
+        return run.end(Status.INTERRUPTED, "interrupted")
+    except SystemError as error:  # what an interruption inside compiled code turns into
+        if not interrupted(error):
+            raise
+        return run.end(Status.INTERRUPTED, "interrupted")
+
+
+class _Run(Generic[P]):
+    """A branch while it is followed."""
+
+    def __init__(self, start: Solution[P], options: BranchOptions, at_bifurcation: bool) -> None:
+        self.start, self.options, self.at_bifurcation = start, options, at_bifurcation
+        self.points: list[Solution[P]] = []
+        self.special: list[SpecialPoint] = [SpecialPoint("start", 0)]
+        self.watched = [name for name in options.watched if name not in start.problem.constant]
+
+    def so_far(self) -> Branch[P]:
+        """What there is of it."""
+        return Branch(list(self.points), list(self.special), Status.RUNNING, "unfinished")
+
+    def end(self, status: Status, reason: str, advice: str = "") -> Branch[P]:
+        """The whole branch; ``advice`` is of use where nothing moved away from what was wanted."""
+        points = self.points or [replace(self.start, known=Spectrum.unknown())]
+        astray: tuple[str, ...] = ()
+        if status not in (Status.REACHED, Status.INTERRUPTED):
+            astray = tuple(_left_behind(points, self.options.until))
+            reason += (
+                "".join(f"; {name} moved away from its wanted value from the start on" for name in astray) or advice
             )
+        kind = "stop" if status is Status.REACHED else "end"
+        return Branch(points, [*self.special, SpecialPoint(kind, len(points) - 1)], status, reason, astray)
+
+    def to_its_end(self, exact: Mapping[str, float]) -> Branch[P]:
+        """Step by step; see ``continue_branch``.
+
+        Raises:
+            PathEnd, SpectrumError, numpy.linalg.LinAlgError: it cannot go on.
+        """
+        options, problem = self.options, self.start.problem
+        self.points.append(self.start.computed())
+        if any(has_value(self.points[0], name, value, exact) for name, value in options.until.items()):
+            return self.end(Status.REACHED, "the start has the wanted value")
+        path, tried = steps(self.start, options.path), math.inf
+        while True:
+            before, at_start = self.points[-1], self.at_bifurcation and len(self.points) == 1
+            point = next(path)
+            walls = {name: value for name, (value, _) in problem.walls.items()}
+            wanted = first_wanted(before, point, {**options.until, **walls})
             if wanted is not None and not wanted.converged:
-                return end("a wanted value lies just ahead, but could not be reached; take shorter steps")
+                reason = "a wanted value lies just ahead, but could not be reached; take shorter steps"
+                return self.end(Status.FAILED, reason)
             latest = (point if wanted is None else wanted.point).computed()
-            events = events_between(before, latest, options.watched, at_start)
+            events = events_between(before, latest, self.watched, at_start)
             length = _length(before, latest)
             shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
-            doubtful = any(_is_doubtful(event, point.problem, options.until_special) for event in events)
+            doubtful = any(_is_doubtful(event, problem, options.until_special) for event in events)
             if doubtful and shorter > 10 * options.path.min_step:
                 path, tried = steps(replace(before, step=shorter), options.path), shorter
                 continue
             if doubtful or length > 4 * tried:  # beyond the place of doubt
                 tried = math.inf
-            so_far = list(points)
+            self._place(events, latest, length)
+            end = self._ending(events, latest, reached=wanted is not None)
+            if end is not None:
+                return end
 
-            def tick(new: Solution[P], so_far: list[Solution[P]] = so_far, known: Any = special) -> None:
-                so_far.append(new)
-                options.progress(Branch(so_far, known, "unfinished", False))
+    def _place(self, events: list[Event[P]], latest: Solution[P], length: float) -> None:
+        """Located events as points and as special points, one point for those at one place, and the computed point beyond.
 
-            new, found = _placed(events, len(points), length, tick)
-            points += [*new, latest]
-            special += found
-            asked = _asked(special, options.until_special)
-            if asked is not None:
-                del points[asked.index + 1 :]
-                special = [s for s in special if s.index <= asked.index]
-            options.progress(Branch(points, special, "unfinished", False))
-            if asked is not None and asked.converged:
-                return end("the wanted special point is reached", "stop")
-            if asked is not None:
-                return end(f"the wanted {asked.kind} lies just before, but could not be located; take shorter steps")
-            if any(event.kind == "bp" and event.change == 0 for event in events):
-                del points[-1]
-                return end(
-                    "it meets a more symmetric branch at a pitchfork; beyond, it would repeat its own mirror images"
-                )
-            if wanted is not None:
-                wall = next((why for name, (at, why) in walls.items() if abs(latest.value(name) - at) < WALL), None)
-                return end("the wanted value is reached", "stop") if wall is None else end(wall)
-            reason = latest.problem.limit(latest.observables, latest.spectrum) or options.limit(latest)
-            if reason is not None:
-                return end(reason)
-            if len(points) >= options.path.max_points:
-                advice = "; resume the branch or ask for more"
-                return end(f"max_points = {options.path.max_points} reached", advice=advice)
-    except (PathEnd, SpectrumError) as failure:
-        return end(str(failure))
-    except np.linalg.LinAlgError as error:
-        return end(f"a spectrum could not be computed ({error}); stop before, or take shorter steps")
-    except KeyboardInterrupt:
-        return end(INTERRUPTED)
-    except SystemError as error:  # what an interruption inside compiled code turns into
-        if not interrupted(error):
-            raise
-        return end(INTERRUPTED)
+        What was not located is attached to that.
+        """
+        reached, places = -math.inf, []
+        for event in events:
+            if event.converged and event.s - reached > SAME_PLACE:
+                self.points.append(event.point.computed())
+                self.options.progress(self.so_far())  # there may be dozens in a step, and each takes a spectrum
+                reached = event.s
+            places.append(len(self.points) - 1 if event.converged else None)
+        self.points.append(latest)
+        for event, place in zip(events, places, strict=True):
+            index = len(self.points) - 1 if place is None else place
+            self.special.append(
+                SpecialPoint(event.kind, index, event.block, event.change, event.converged, (0.0, length))
+            )
+
+    def _ending(self, events: list[Event[P]], latest: Solution[P], reached: bool) -> Branch[P] | None:
+        """The whole branch, if it ends after a step; else None."""
+        options = self.options
+        asked = self.so_far().asked(options.until_special)
+        if asked is not None:
+            del self.points[asked.index + 1 :]
+            self.special = [s for s in self.special if s.index <= asked.index]
+        options.progress(self.so_far())
+        if asked is not None and asked.converged:
+            return self.end(Status.REACHED, "the wanted special point is reached")
+        if asked is not None:
+            reason = f"the wanted {asked.kind} lies just before, but could not be located; take shorter steps"
+            return self.end(Status.FAILED, reason)
+        if any(event.kind == "bp" and event.change == 0 for event in events):
+            del self.points[-1]
+            reason = "it meets a more symmetric branch at a pitchfork; beyond, it would repeat its own mirror images"
+            return self.end(Status.PITCHFORK, reason)
+        if reached:
+            walls = latest.problem.walls.items()
+            wall = next((why for name, (at, why) in walls if abs(latest.value(name) - at) < WALL), None)
+            if wall is not None:
+                return self.end(Status.LIMIT, wall)
+            return self.end(Status.REACHED, "the wanted value is reached")
+        limit = latest.problem.limit(latest.observables, latest.spectrum) or options.limit(latest)
+        if limit is not None:
+            return self.end(Status.LIMIT, limit)
+        if len(self.points) >= options.path.max_points:
+            reason = f"max_points = {options.path.max_points} reached"
+            return self.end(Status.POINTS, reason, "; resume the branch or ask for more")
+        return None
 
 
 WALL = 1e-9
 """Distance of an observable from its wall that is none."""
 
-INTERRUPTED = "interrupted"
-"""Reason of a branch that somebody stopped."""
+SAME_PLACE = 1e-6
+"""Special points nearer to each other than this in arclength are one (energy and volume turn together, say)."""
 
-MOVED_AWAY = "moved away from its wanted value from the start on"
+
+def _refuse_constant(start: Solution[Any], options: BranchOptions) -> None:
+    """Refuse to look for what is nowhere on a branch.
+
+    Raises:
+        InputError: what stays as it is there is to have another value, or to turn.
+    """
+    for name, instead in start.problem.constant.items():
+        own = start.observables[name]
+        wanted = options.until.get(name, own)
+        if abs(wanted - own) > SAME_VALUE * (1 + abs(wanted)) or f"fold:{name}" in options.until_special:
+            raise InputError(f"until: {name} stays as it is on this branch; {instead}")
 
 
 def _left_behind(points: Sequence[Solution[Any]], until: Mapping[str, float]) -> list[str]:
     """Observables that are nowhere as near to their wanted values as at the first of several points."""
     found = []
     for name, value in until.items():
-        values = [point.value(name) for point in points]
-        gaps = [abs(at - value) for at in values]
+        gaps = [abs(point.value(name) - value) for point in points]
         if len(gaps) > 1 and min(gaps[1:]) > gaps[0]:
             found.append(name)
     return found
-
-
-def _asked(special: Sequence[SpecialPoint], until: Mapping[str, int]) -> SpecialPoint | None:
-    """The first special point at which the branch was asked to stop, if it is among those so far."""
-    of_kinds = ([s for s in special if is_of_kind(s.kind, kind)][number - 1 : number] for kind, number in until.items())
-    return min((s for found in of_kinds for s in found), key=lambda s: s.index, default=None)
 
 
 def _is_doubtful(event: Event[Any], problem: Problem, until: Mapping[str, int]) -> bool:
@@ -189,33 +251,3 @@ def _is_doubtful(event: Event[Any], problem: Problem, until: Mapping[str, int]) 
 def _length(first: Solution[Any], last: Solution[Any]) -> float:
     """Arclength between two points, along the first one's tangent."""
     return abs(Segment(first, last).length)
-
-
-def _placed(
-    events: list[Event[P]], count: int, length: float, tick: Callable[[Solution[P]], None]
-) -> tuple[list[Solution[P]], list[SpecialPoint]]:
-    """Located events as points of a branch of ``count`` points, and as special points; one point for those at one place.
-
-    What was not located is attached to the computed point that comes after.
-    """
-    points: list[Solution[P]] = []
-    reached = -math.inf
-    places = []
-    for event in events:
-        if event.converged and event.s - reached > SAME_PLACE:
-            points.append(event.point.computed())
-            tick(points[-1])  # there may be dozens in a step, and each takes a spectrum
-            reached = event.s
-        places.append(count + len(points) - 1 if event.converged else None)
-    after = count + len(points)
-    special = [
-        SpecialPoint(
-            event.kind, after if place is None else place, event.block, event.change, event.converged, (0.0, length)
-        )
-        for event, place in zip(events, places, strict=True)
-    ]
-    return points, special
-
-
-SAME_PLACE = 1e-6
-"""Special points nearer to each other than this in arclength are one (energy and volume turn together, say)."""

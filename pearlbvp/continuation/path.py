@@ -145,7 +145,10 @@ def steps(start: Solution[P], options: PathOptions) -> Iterator[Solution[P]]:
             why = result.message or f"the path turns by {turn:.0f} degrees, with a kink of {size:.2f}"
             step /= 2
             if step < options.min_step:
-                raise PathEnd(f"the step fell below min_step = {options.min_step:g}: {why}")
+                what = why.partition(";")[0]  # whose remedy, a smaller step, has been tried
+                raise PathEnd(
+                    f"the step fell below min_step = {options.min_step:g}: {what}; stop before, or try another max_step"
+                )
             continue
         u = result.u
         if result.iterations > 1:
@@ -156,7 +159,8 @@ def steps(start: Solution[P], options: PathOptions) -> Iterator[Solution[P]]:
             problem, (u, tangent) = moved
             again, tangent = correct(problem, u, tangent, u, 0.0, options.newton)
             if not again.converged:
-                raise PathEnd(f"no convergence after remeshing: {again.message}")
+                what = again.message.partition(";")[0]
+                raise PathEnd(f"no convergence on a renewed mesh: {what}; stop before, or take a smaller max_step")
             u = again.u
             tangent = tangent / math.sqrt(problem.inner(tangent, tangent))
             past, rate = {0.0: u}, 1e4

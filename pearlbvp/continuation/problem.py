@@ -80,7 +80,11 @@ class Problem(ABC):
         return u
 
     def limit(self, observed: Mapping[str, float], spectrum: Spectrum) -> str | None:
-        """Why a branch ends at a solution with these observables and growth rates, beyond which it cannot be described."""
+        """Why a branch ends at a solution with these observables and growth rates: its shapes end there. Else None.
+
+        Raises:
+            SpectrumError: the growth rates are not known well enough to go on counting.
+        """
         return None
 
     @property
@@ -102,6 +106,11 @@ class Problem(ABC):
         Where it turns, a growth rate of ``trivial_block`` changes its sign, and nowhere else on a smooth branch.
         """
         return ""
+
+    @property
+    def constant(self) -> Mapping[str, str]:
+        """Observables that are the same all along the branch, and what to do where they are to vary."""
+        return {}
 
     def poles(self, u: Array) -> Mapping[str, float]:
         """Named functions at whose zeros growth rates pass through infinity; those that are regular there."""

@@ -1,7 +1,8 @@
 """Branches as trees of arrays, numbers and words, to be saved and read back; see ``hdf5`` for the files.
 
-Layout: ``kind, reason, complete``; ``problems/0 ...`` (each mesh once); ``points/0 ...`` with ``u, tangent``, the number of
-their problem, their ``observables`` and ``spectrum``; ``special/0 ...``. Problems, spectra describe themselves (``to_tree``).
+Layout: ``kind, status, reason``; ``problems/0 ...`` (each mesh once); ``points/0 ...`` with ``u, tangent``, the
+number of their problem, their ``observables`` and ``spectrum``; ``special/0 ...``. Problems, spectra describe
+themselves (``to_tree``).
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from pearlbvp.continuation.branch import Branch, SpecialPoint
+from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
 
@@ -28,7 +29,7 @@ def branch_tree(branch: Branch[Any]) -> dict[str, Any]:
     return {
         "kind": branch.points[0].problem.stored_as,
         "reason": str(branch.reason),  # a sentence with numbers as it is in radii, like all that is saved
-        "complete": branch.complete,
+        "status": branch.status.value,
         "problems": {str(number): problem.to_tree() for number, problem in enumerate(problems.values())},
         "points": {
             str(index): _point_tree(entry, numbers[id(entry.problem)]) for index, entry in enumerate(branch.points)
@@ -70,7 +71,7 @@ def branch_of_tree(tree: Mapping[str, Any], kinds: Mapping[str, Any]) -> Branch[
     if not points:
         raise ValueError("a branch without points")
     special = [_special(found, points) for found in _in_order(tree["special"])]
-    return Branch(points, special, str(tree["reason"]), bool(tree["complete"]))
+    return Branch(points, special, Status(tree["status"]), str(tree["reason"]))
 
 
 def _in_order(trees: Mapping[str, Any]) -> list[Any]:

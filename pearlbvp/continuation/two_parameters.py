@@ -111,9 +111,12 @@ class CurveOnSurface(Problem):
     reference: Array
     condition: Condition
 
-    inner, observables, further, poles, limit, walls, family, headline, trivial_block, conserved = map(_of_the_base, (
-        "inner", "observables", "further", "poles", "limit", "walls", "family", "headline", "trivial_block", "conserved"
-    ))  # fmt: skip
+    inner, observables, further, poles, limit, walls = map(
+        _of_the_base, ("inner", "observables", "further", "poles", "limit", "walls")
+    )
+    constant, family, headline, trivial_block, conserved = map(
+        _of_the_base, ("constant", "family", "headline", "trivial_block", "conserved")
+    )
 
     @property
     def shapes(self) -> Any:

@@ -12,7 +12,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.errors import InputError
-from pearlbvp.files import read_whole, writable, write_whole
+from pearlbvp.files import named, read_whole, writable, write_whole
 from pearlbvp.helfrich import positive
 from pearlbvp.mesh.formats.msh import read_msh
 from pearlbvp.mesh.formats.obj import read_obj
@@ -61,7 +61,7 @@ def writable_mesh(name: str, path: str | os.PathLike[str]) -> Path:
         InputError: another ending, or a place that cannot be written to.
     """
     checked = writable(name, path)
-    _format(name, Path(path))
+    _format(name, named(name, path))
     return checked
 
 
@@ -112,7 +112,7 @@ def read_mesh(path: str | os.PathLike[str], length: float) -> PeriodicMesh:
 
 def read_tube(path: str | os.PathLike[str], length: float) -> tuple[PeriodicMesh, str]:
     """As ``read_mesh``, and what was repaired in words, empty where nothing was."""
-    path, length = Path(path), positive("length", length)
+    path, length = named("mesh", path), positive("length", length)
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise InputError(f"mesh: {path.name} has none of the endings {', '.join(READERS)}; choose one of these formats")

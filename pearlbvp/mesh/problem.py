@@ -23,7 +23,7 @@ from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Pinned, spread
 from pearlbvp.continuation.path import correct
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.errors import InputError
+from pearlbvp.errors import InputError, SpectrumError
 from pearlbvp.helfrich import Fixed
 from pearlbvp.membrane import MembraneProblem, Surface
 from pearlbvp.mesh.adaptation import (
@@ -190,7 +190,9 @@ class MeshProblem(MembraneProblem):
 
     def limit(self, observed: Mapping[str, float], spectrum: Spectrum) -> str | None:
         """Perturbations that grow were missed."""
-        return None if spectrum.complete else "not all unstable perturbations were found; take a finer mesh"
+        if not spectrum.complete:
+            raise SpectrumError("not all unstable perturbations were found; take a finer mesh")
+        return None
 
     def own_mesh(self, u: Array) -> PeriodicMesh:
         """The mesh on the surface."""

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, cylinder_lambda1
+from pearlbvp.helfrich import Tube, choice, cylinder_lambda1
 from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem, about, with_phases
@@ -188,8 +188,7 @@ def onset(
         InputError: the form has no such mode, or the mesh is too coarse for it.
     """
     allowed = {"pearl": m > 0 and n == 0, "ring": m == 0 and n > 1, "coil": m > 0 and n > 0, "buckle": m > 0 and n > 0}
-    if form not in allowed:
-        raise InputError(f"family: {form!r} is none of {', '.join(allowed)}")
+    choice("family", form, tuple(allowed))
     if not allowed[form]:
         raise InputError(f"mode: {m, n} is none of a {form}; see the modes that dispersion lists")
     problem, u = branch_point(mesh, tube.c0, m, n, kind)

@@ -26,6 +26,7 @@ from pearlbvp.collocation import (
 from pearlbvp.collocation.polynomial import extremes
 from pearlbvp.continuation.problem import LiftError
 from pearlbvp.continuation.spectrum import Spectrum
+from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Fixed
 from pearlbvp.membrane import Grid, MembraneProblem, Surface, fixed_of_tree
 from pearlbvp.membrane import repeated as repeated_surface
@@ -74,6 +75,7 @@ class PearlProblem(MembraneProblem):
     may_vary: ClassVar[Mapping[str, str]] = {"c0": "c0", "L": "length"}
     drawn = "outline"
     rejoins = True
+    centred = True
 
     discretization: Discretization
     reference: PiecewisePolynomial | None
@@ -259,11 +261,12 @@ class PearlProblem(MembraneProblem):
         """Too many waves around, a spectrum that is not resolved, or a neck that is too thin for one."""
         if not spectrum.complete:
             n = max((block.n for block in spectrum.rates), default=0)
-            text = f"waves of more than n = {n} around the tube grow: its tension is {{lambda1:.3g}}"
-            return Sentence(text, lambda1=observed["lambda1"])
+            text = f"waves of more than n = {n} around the tube grow: its tension is {{lambda1:.3g}}; "
+            text += "stop before, or take fewer pearls"
+            raise SpectrumError(Sentence(text, lambda1=observed["lambda1"]))
         if spectrum.residual > RESOLVED * self.wave_number**4:
-            text = "its spectrum is known to {rate:.0e} only, at a neck of {r_min:.1e}"
-            return Sentence(text, rate=spectrum.residual, r_min=observed["r_min"])
+            text = "its spectrum is known to {rate:.0e} only, at a neck of {r_min:.1e}; stop before, at an r_min say"
+            raise SpectrumError(Sentence(text, rate=spectrum.residual, r_min=observed["r_min"]))
         if observed["r_min"] < THINNEST_NECK:
             return f"the neck is thinner than {THINNEST_NECK:g} radii: the surface is about to touch its axis"
         return None

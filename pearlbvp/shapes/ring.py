@@ -26,7 +26,7 @@ from pearlbvp.collocation import (
 from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.errors import InputError
+from pearlbvp.errors import InputError, SpectrumError
 from pearlbvp.helfrich import Fixed, Tube, WaveNumbers
 from pearlbvp.membrane import (
     AROUND,
@@ -242,7 +242,7 @@ class RingProblem(MembraneProblem):
         """A spectrum that is not resolved."""
         if spectrum.residual > RESOLVED:
             text = "its spectrum is known to {rate:.0e} only; take a smaller tolerance"
-            return Sentence(text, rate=spectrum.residual)
+            raise SpectrumError(Sentence(text, rate=spectrum.residual))
         return None
 
     def lift(self, block: PlanarBlock, centre: str, *vectors: Array) -> tuple[TubeProblem, list[Array]]:

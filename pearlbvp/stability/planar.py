@@ -267,9 +267,13 @@ def planar_spectrum(
     variation, residual = resolved(profile, tolerance=tolerance)
     rates: dict[PlanarBlock, Array] = {}
     most, points = variation.most_waves(length), len(variation.psi)
-    if (most + 1) * (profile.n // 2 + 1) * points**3 > MOST_WORK:
+    few = MOST_WORK / ((profile.n // 2 + 1) * points**3) - 1
+    if most > few:
+        instead = (
+            "fewer lobes, or stop before" if few < 2 else f"a shorter tube, of at most {few / most:.2g} of that length"
+        )
         raise SpectrumError(
-            f"its stability would take too many modes: up to {most} waves along the tube may grow; take a shorter tube"
+            f"its stability would take too many modes: up to {most} waves along the tube may grow; take {instead}"
         )
     k = np.arange(most + 1, dtype=np.float64) * (2 * math.pi / length)
     for c, parity in classes_of(profile.n):

@@ -156,7 +156,9 @@ def spectrum(
             break
         variation, residual, points = finer, smaller, 2 * points
     if profile.lambda2 > (max_n + 1) ** 2:  # on the straight tube they grow beyond half of that
-        raise SpectrumError(f"waves of more than n = {max_n} around the tube grow")
+        raise SpectrumError(
+            f"waves of more than n = {max_n} around the tube grow on such short pearls; take fewer, or a longer tube"
+        )
     rates: dict[Block, Array] = {}
     before = np.inf
     for n in range(max_n + 1):

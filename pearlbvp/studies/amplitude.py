@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.continuation.branch import Branch, SpecialPoint
+from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
 from pearlbvp.continuation.problem import Problem
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, WaveNumbers, positive
+from pearlbvp.helfrich import Tube, WaveNumbers, mode_list, positive, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation, exchange_lengths, meeting_c0
@@ -56,7 +56,7 @@ def coefficients(c0: float, length: float, modes: Iterable[WaveNumbers]) -> pd.D
 
     tube = Tube(c0, length)
     rows = []
-    for mode in modes:
+    for mode in mode_list(modes):
         e = amplitude_equation(tube, mode)
         double = len(e.families) == 2
         rows.append(
@@ -159,8 +159,7 @@ def predicted_branch(
     if largest is None:
         largest = min(0.2, 0.5 / max(map(abs, equation.slaved.values())))
     positive("largest", largest)
-    if points < 2:
-        raise InputError(f"points: {points} must be 2 or more")
+    points = whole("points", points, 2)
     end = equation.at(family, largest)
     if end["v"] <= 0 or end["r_min"] <= 0:
         raise InputError(f"largest: at A = {largest:g} the predicted {family} has no volume or no radius; go less far")
@@ -174,7 +173,7 @@ def predicted_branch(
         u = np.array([A])
         found.append(Solution(problem, u, np.ones(1), known=spectrum))
     special: list[SpecialPoint] = [SpecialPoint("start", 0), SpecialPoint("end", points - 1)]
-    return Branch(found, special, f"the amplitude is {largest:g}", True)
+    return Branch(found, special, Status.GIVEN, f"the amplitude is {largest:g}")
 
 
 COMPARED = ("lambda1", "lambda2", "E")

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.path import PathOptions
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed, Tube, WaveNumbers, cylinder_energy, cylinder_lambda1, finite
+from pearlbvp.helfrich import (
+    Fixed,
+    Tube,
+    WaveNumbers,
+    choice,
+    cylinder_energy,
+    cylinder_lambda1,
+    finite,
+    mode_numbers,
+    whole,
+)
 from pearlbvp.membrane import Start
 from pearlbvp.studies import families
 from pearlbvp.theory.dispersion import critical_lambda2
@@ -46,7 +56,8 @@ def branch_options(
     Args:
         until: column and value at which to stop exactly, or kind and number of a special point: ``{"v": 1.1}``,
             ``{"bp": 1}`` for the first branch point, ``{"fold:v": 2}``, ``{"cmc": 1}``, ``{"fold": 1}`` for the first fold of
-            any. Special points are counted from where the branch goes on. Several may be given, the first reached counts.
+            any. Special points are counted from the branch's start (``shape_branch``: from the shape, either way), also where a
+            saved branch goes on. Several may be given, the first reached counts.
         max_points: end after so many.
         step, max_step: first (by default 0.1 or ``max_step``) and largest step, in the norm of shape and parameters.
         progress: called with the branch so far after each step.
@@ -54,6 +65,8 @@ def branch_options(
     Raises:
         InputError: an argument that cannot be used.
     """
+    if not isinstance(until, Mapping | None):
+        raise InputError(f"until: {until!r} must be a mapping; give one like {{'v': 1.1}} or {{'bp': 1}}")
     wanted = {name: finite(f"until {name}", value) for name, value in (until or {}).items()}
     special = {kind: _number(kind, wanted.pop(kind)) for kind in list(wanted) if kind in SPECIAL}
     for name in wanted:
@@ -62,17 +75,56 @@ def branch_options(
                 f"until: a branch cannot stop at a value of {name!r}; choose one of {', '.join(STOPS)}, or one of the special "
                 "points bp, cmc, fold:NAME"
             )
-    if max_points < 2:
-        raise InputError(f"max_points: {max_points} must be 2 or more; the first is the start")
+    max_points, max_step = whole("max_points", max_points, 2), finite("max_step", max_step)
     if not max_step > 1e-6:
         raise InputError(f"max_step: {max_step:g} must be above 1e-6; give one like 0.5")
     if step is None:
         step = min(0.1, max_step)
+    step = finite("step", step)
     if not 1e-6 < step <= max_step:
         raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}; give one between")
 
     path = PathOptions(step=step, max_step=max_step, max_points=max_points)
     return BranchOptions(path=path, until=wanted, until_special=special, progress=progress)
+
+
+def known_options(options: BranchOptions | None) -> BranchOptions:
+    """Options of a branch, those of ``branch_options()`` where none are given.
+
+    Raises:
+        InputError: they are none.
+    """
+    if options is None:
+        return branch_options()
+    if not isinstance(options, BranchOptions):
+        raise InputError(
+            f"options: {type(options).__name__} must be options of a branch; make them by branch_options(...)"
+        )
+    return options
+
+
+def known_branch(branch: Branch[Any]) -> Branch[Any]:
+    """A branch.
+
+    Raises:
+        InputError: it is none, but the name of a file, say.
+    """
+    if not isinstance(branch, Branch):
+        raise InputError(
+            f"branch: {type(branch).__name__} must be a branch; follow one, or load it by studies.saved.load(...)"
+        )
+    return branch
+
+
+def known_point(point: Solution[Any]) -> Solution[Any]:
+    """A point of a branch.
+
+    Raises:
+        InputError: it is none, but its number, say.
+    """
+    if not isinstance(point, Solution):
+        raise InputError(f"point: {type(point).__name__} must be a point of a branch; give one like branch.points[-1]")
+    return point
 
 
 def _number(kind: str, value: float) -> int:
@@ -102,11 +154,11 @@ def family_branch(
 
     Args:
         tube: the straight tube.
-        family: ``pearl`` (mode ``m,0``), ``ring`` (``0,n``), ``coil`` (``m,1``), ``buckle`` (``m,n``), or one that was added.
+        family: ``pearl`` (mode ``m,0``), ``ring`` (``0,n``), ``coil`` (``m,1``), ``buckle`` (``m,n``), or an added one.
         mode: waves along and around the tube; by default the family's first.
         options: where to stop and how to step, from ``branch_options``.
         nodes: on a triangulated tube of about so many vertices.
-        discretization: on a triangulated tube ``subdivision`` (the default) or ``cotangent``; without, ``modes`` for pearls and
+        discretization: on a triangulated tube ``subdivision`` (the default) or ``cotangent``; else ``modes`` for pearls and
             rings in reduced modes, which are better followed as what they are: through overhangs, to thin necks.
         fixed: what the perturbations keep that stability is judged by.
         tolerance: estimated error of the profile at which its mesh is refined, of pearls and rings.
@@ -119,12 +171,24 @@ def family_branch(
         InputError: an argument that cannot be used.
 
     Example:
-        >>> from pearlbvp.helfrich import Tube
+        >>> from pearlbvp.helfrich import (
+    Fixed,
+    Tube,
+    WaveNumbers,
+    choice,
+    cylinder_energy,
+    cylinder_lambda1,
+    finite,
+    mode_numbers,
+    whole,
+    )
         >>> pearls = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.01}))
         >>> pearls.complete, pearls.find("bp")[0].block.n
         (True, 0)
     """
-    mode = families.family(family).mode if mode is None else mode
+    options = known_options(options)
+    choice("fixed", fixed, get_args(Fixed))
+    mode = families.family(family).mode if mode is None else mode_numbers("mode", mode)
     if nodes is not None:
         problem, u, direction = _on_a_mesh(tube, family, mode, nodes, discretization or "subdivision", fixed, adapt)
     elif discretization == "modes":
@@ -135,7 +199,7 @@ def family_branch(
         raise InputError(f"discretization: {discretization} goes with a mesh; give its number of nodes, too")
     exact = straight_values(tube, float(critical_lambda2(tube.wave_number(mode[0]), mode[1], tube.c0)))
     start = Solution.along(problem, u, direction)
-    return continue_branch(start, options or branch_options(), at_bifurcation=True, exact=exact)
+    return continue_branch(start, options, at_bifurcation=True, exact=exact)
 
 
 def _in_modes(family: str) -> Callable[[Tube, WaveNumbers, Fixed, float | None], Start]:

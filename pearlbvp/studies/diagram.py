@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, WaveNumbers, finite
-from pearlbvp.studies.branch import COLUMNS, branch_options, family_branch
+from pearlbvp.helfrich import Tube, WaveNumbers, choice, finite, mode_list, whole
+from pearlbvp.studies.branch import COLUMNS, branch_options, family_branch, known_options
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.studies.onward import switched
 
@@ -101,8 +101,7 @@ def diagram(
         InputError: an argument that cannot be used.
     """
     tube = Tube(c0, length)
-    if depth != int(depth) or depth < 0:
-        raise InputError(f"depth: {depth} must be a whole number, 0 or more")
+    depth, processes = whole("depth", depth, 0), whole("processes", processes, 0)
     if lambda2 is not None and modes is not None:
         raise InputError("modes: modes and a range of lambda2 exclude each other; give one of the two")
     wanted = _by_family(options)
@@ -114,7 +113,7 @@ def diagram(
     }
     branches: dict[str, Branch[Any]] = {}
     skipped: dict[str, str] = {}
-    for _ in range(int(depth) + 1):
+    for _ in range(depth + 1):
         for name in tasks:
             progress(name)
         found = dict(zip(tasks, _all_done(list(tasks.values()), processes), strict=True))
@@ -144,11 +143,14 @@ def _by_family(options: Options) -> dict[str, BranchOptions]:
     known = tuple(ENDS)
     if isinstance(options, BranchOptions):
         return dict.fromkeys(known, options)
+    if not isinstance(options, Mapping | None):
+        raise InputError(
+            "options: they must be options of a branch, or a mapping of them by family; see branch_options(...)"
+        )
     by_default = {name: branch_options({"v": volume}) for name, volume in ENDS.items()}
-    unknown = set(options or {}) - set(known)
-    if unknown:
-        raise InputError(f"options: {', '.join(sorted(unknown))} is no family; choose among {', '.join(known)}")
-    return by_default | dict(options or {})
+    for name in options or {}:
+        choice("options", name, known)
+    return by_default | {name: known_options(of_family) for name, of_family in (options or {}).items()}
 
 
 def _primaries(
@@ -165,7 +167,7 @@ def _primaries(
     elif modes is None:
         most_pearls = range(1, math.ceil(tube.length / (2 * math.pi)))
         modes = [(m, 0) for m in most_pearls if tube.wave_number(m) < 1]
-    for m, n in modes:
+    for m, n in mode_list(modes):
         families = ("pearl",) if n == 0 else ("ring",) if m == 0 else ("coil", "buckle")
         yield from ((family, (m, n)) for family in families)
 

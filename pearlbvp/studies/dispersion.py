@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, cylinder_lambda1
+from pearlbvp.helfrich import Tube, cylinder_lambda1, finite, positive, whole
 from pearlbvp.theory.dispersion import critical_lambda2, mode_type, stable_interval
 
 COLUMNS = ["m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role"]
@@ -37,9 +37,7 @@ def branch_points(c0: float, length: float, max_m: int | None = None, max_n: int
     tube = Tube(c0, length)
     if max_m is None:
         max_m = math.ceil(tube.length / (2 * math.pi)) + 1
-    for name, most in (("max_m", max_m), ("max_n", max_n)):
-        if not isinstance(most, (int, np.integer)) or most < 0:
-            raise InputError(f"{name}: {most!r} must be a whole number, 0 or more")
+    max_m, max_n = whole("max_m", max_m, 0), whole("max_n", max_n, 0)
     if (max_m + 1) * (max_n + 1) > MOST_ROWS:
         raise InputError(f"max_m: {(max_m + 1) * (max_n + 1)} branch points are too many to list; give a smaller max_m")
     interval = stable_interval(tube)
@@ -65,7 +63,16 @@ def instability_curves(c0: float, k_max: float, max_n: int = 4, points: int = 80
 
     Returns:
         Columns ``n, k, lambda2``, ``points`` rows for each ``n`` from 0 to ``max_n``.
+
+    Raises:
+        InputError: an argument that cannot be used.
     """
+    c0, k_max, max_n, points = (
+        finite("c0", c0),
+        positive("k_max", k_max),
+        whole("max_n", max_n, 0),
+        whole("points", points, 2),
+    )
     k = np.linspace(0.004, k_max, points)
     curves = [pd.DataFrame({"n": n, "k": k, "lambda2": critical_lambda2(k, n, c0)}) for n in range(max_n + 1)]
     return pd.concat(curves, ignore_index=True)

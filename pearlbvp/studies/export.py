@@ -16,7 +16,7 @@ from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
 from pearlbvp.mesh.periodic import PeriodicMesh
-from pearlbvp.studies.branch import STOPS
+from pearlbvp.studies.branch import STOPS, known_branch
 from pearlbvp.studies.mesh import NODES
 from pearlbvp.studies.point import special_place
 
@@ -38,7 +38,7 @@ def stored(branch: Branch[Any], name: str) -> tuple[int, str]:
     Raises:
         InputError: there is no such point.
     """
-    last = len(branch.points) - 1
+    last, name = len(known_branch(branch).points) - 1, str(name)
     if name.lstrip("+-").isdigit():
         if not -last - 1 <= int(name) <= last:
             raise InputError(f"point: there is no point {int(name)}; the branch has points 0 to {last}")

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.continuation.branch import Branch, SpecialPoint
+from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.solution import Solution
@@ -30,7 +30,7 @@ from pearlbvp.mesh.start import solved
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph
 from pearlbvp.shapes.pearl import PearlProblem
-from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.branch import known_options
 from pearlbvp.studies.flow_start import UNLIKE
 from pearlbvp.studies.mesh import SMALLEST_AMPLITUDE
 from pearlbvp.tube.isotropy import NEGLIGIBLE, StandardPosition, standard_position
@@ -291,7 +291,7 @@ def continued(result: FlowResult, options: BranchOptions | None = None, *, upwar
     Raises:
         InputError: the flow did not come to rest, or its end is no point of a branch.
     """
-    return continue_branch(end_point(result, upwards=upwards), options or branch_options())
+    return continue_branch(end_point(result, upwards=upwards), known_options(options))
 
 
 def end_branch(result: FlowResult) -> Branch[Any]:
@@ -304,4 +304,4 @@ def end_branch(result: FlowResult) -> Branch[Any]:
     """
     point = end_point(result)
     special: list[SpecialPoint] = [SpecialPoint("start", 0), SpecialPoint("end", 0)]
-    return Branch([point], special, "it is the end of a flow", complete=True)
+    return Branch([point], special, Status.GIVEN, "it is the end of a flow")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pandas as pd
@@ -13,11 +13,13 @@ from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
+from pearlbvp.helfrich import choice, whole
 from pearlbvp.mesh.families import Surface, carried, tube_mesh
 from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.start import equilibrium
+from pearlbvp.studies.branch import known_options, known_point
 
 NODES = 3000
 """Vertices of a mesh by default: four digits of the branch points of the straight tube."""
@@ -43,6 +45,8 @@ def meshed(
     Raises:
         InputError: the mesh is too coarse for the shape, or that is the straight tube.
     """
+    point = known_point(point)
+    choice("kind", kind, get_args(Kind))
     found = point.observables
     if found["amplitude"] < SMALLEST_AMPLITUDE:
         raise InputError(
@@ -66,7 +70,8 @@ def shape_mesh(point: Solution[Any], nodes: int | PeriodicMesh = NODES) -> Perio
     Raises:
         InputError: so few nodes make no good triangles.
     """
-    problem = point.problem.shapes
+    problem = known_point(point).problem.shapes
+    nodes = nodes if isinstance(nodes, PeriodicMesh) else whole("nodes", nodes)
     own: PeriodicMesh | None = problem.own_mesh(point.u)
     if own is not None:
         return own
@@ -124,4 +129,4 @@ def branch_from(
     direction[-1] = 1.0 if upwards else -1.0
     problem = problem.symmetric(u)
     start = Solution.along(problem, u, tangent_along(problem, u, direction))
-    return continue_branch(start, options)
+    return continue_branch(start, known_options(options))

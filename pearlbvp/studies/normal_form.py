@@ -17,6 +17,7 @@ from pearlbvp.continuation.normal_form import NormalForm, at_zero, normal_form
 from pearlbvp.continuation.path import correct
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.pearl import Centre, PearlProblem
+from pearlbvp.studies.branch import known_branch
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -75,7 +76,7 @@ def normal_forms(branch: Branch[PearlProblem]) -> pd.DataFrame:
     import pandas as pd
 
     rows = []
-    for number, special in enumerate(branch.find("bp"), start=1):
+    for number, special in enumerate(known_branch(branch).find("bp"), start=1):
         observed = branch.at(special).observables
         row: dict[str, Any] = dict.fromkeys(COLUMNS, math.nan) | {
             "number": number, "point": special.index, "block": str(special.block), "form": "", "criticality": "",

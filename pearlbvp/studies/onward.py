@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.continuation.two_parameters import NOISE, CurveOnSurface, follow
 from pearlbvp.errors import InputError
+from pearlbvp.helfrich import choice, whole
 from pearlbvp.newton import NewtonOptions
+from pearlbvp.studies.branch import known_branch, known_options
 from pearlbvp.units import Sentence
 
 Centre = Literal["pearl", "neck"]
@@ -26,19 +28,43 @@ Centre = Literal["pearl", "neck"]
 def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     """A branch continued from its last point; that and what follows as one branch.
 
+    Args:
+        branch: of any family.
+        options: where to stop and how to step; wanted special points are numbered from the branch's start.
+
+    Returns:
+        The longer branch; the branch as it is where a wanted special point is on it.
+
     Raises:
-        InputError: nothing can follow.
+        InputError: nothing can follow, or the wanted special point is on the branch, but not located.
     """
+    options = known_options(options)
+    if wanted_there(branch, options) is not None:
+        return branch
     last = branch.points[-1]
     for name, (at, why) in last.problem.walls.items():
         if abs(last.value(name) - at) < WALL:
             raise InputError(
                 f"resume: the branch ends where {why.partition(';')[0]}, so nothing follows; branch off before"
             )
-    whole = replace(options, progress=lambda so_far: options.progress(branch.extended(so_far)))
     if len(branch.points) == 1 and branch.complete:  # where a flow ended: it has no direction yet
-        branch = replace(branch, points=[_towards(branch.points[0], options.until)])
-    return branch.extended(continue_branch(branch.points[-1], whole, at_bifurcation=branch.ends_at_bifurcation))
+        branch = replace(branch, points=[_towards(last, options.until)])
+    further = continue_branch(branch.points[-1], options.beyond(branch), at_bifurcation=branch.ends_at_bifurcation)
+    return branch.extended(further)
+
+
+def wanted_there(branch: Branch[Any], options: BranchOptions) -> SpecialPoint | None:
+    """The special point that is wanted of a branch, where that has it already.
+
+    Raises:
+        InputError: it was not located.
+    """
+    there = known_branch(branch).asked(options.until_special)
+    if there is not None and not there.converged:
+        raise InputError(
+            f"until: the {there.kind} at point {there.index} was not located; follow the branch in shorter steps (--max-step)"
+        )
+    return there
 
 
 def _towards(entry: Solution[Any], until: Mapping[str, float]) -> Solution[Any]:
@@ -80,9 +106,8 @@ def varied(
     Raises:
         InputError: a name or number that cannot be used, or a branch of rings.
     """
-    parameter = _varying(branch, vary)
-    if keep not in ("v", "lambda2"):
-        raise InputError(f"keep: {keep!r} cannot be kept; choose v or lambda2")
+    parameter, options, index = _varying(branch, vary), known_options(options), whole("point", index, -math.inf)
+    choice("keep", keep, ("v", "lambda2"))
     if not -len(branch.points) <= index < len(branch.points):
         raise InputError(f"point: there is no point {index}; the branch has points 0 to {len(branch.points) - 1}")
     index %= len(branch.points)
@@ -107,7 +132,7 @@ def _varying(branch: Branch[Any], vary: str) -> str:
     Raises:
         InputError: another name, or a branch of rings.
     """
-    problem = branch.points[0].problem.shapes
+    problem = known_branch(branch).points[0].problem.shapes
     if vary in problem.may_vary:
         return str(problem.may_vary[vary])
     if vary not in ("c0", "L"):
@@ -132,11 +157,13 @@ def followed(
         InputError: there is no such special point, or it was not located, or ``vary`` is another name, or the branch is one
             of rings.
     """
-    parameter = _varying(branch, vary)
+    parameter, options, number = _varying(branch, vary), known_options(options), whole("follow", number)
+    if kind != "bp" and not str(kind).startswith("fold:"):
+        raise InputError(f"follow: {kind!r} is no kind of point to follow; give bp, or fold:NAME like fold:v")
     found = branch.find(kind)
     if not 1 <= number <= len(found):
         raise InputError(
-            f"follow: the branch has {len(found)} special points {kind}, so there is none of number {number}"
+            f"follow: the branch has {len(found)} special points {kind}, so there is none of number {number}; follow it further"
         )
     if not found[number - 1].converged:
         raise InputError(f"follow: {kind} number {number} was not located; follow the branch in shorter steps")
@@ -153,7 +180,7 @@ def followed(
     curve = follow(
         branch, found[number - 1], parameter, replace(options, folds=(vary, "v"), limit=bounded), upwards=upwards
     )
-    return _up_to_straight(curve, excess) if curve.reason.startswith(STRAIGHT) else curve
+    return _up_to_straight(curve, excess) if excess(curve.points[-1]) < 0 else curve
 
 
 STRAIGHT = "the shapes become the straight tube; beyond, the curve would repeat their mirror images"
@@ -188,11 +215,11 @@ def _up_to_straight(
         found = Solution.along(problem, result.u, direction)
         known.append((s, found))
     end = known[-1][1]
-    return curve.extended(Branch([curve.points[-1], end], [SpecialPoint("end", 1)], curve.reason, curve.complete))
+    return curve.extended(replace(curve, points=[curve.points[-1], end], special=[SpecialPoint("end", 1)]))
 
 
 def switched(
-    branch: Branch[Any], number: int, options: BranchOptions, *, centre: Centre = "pearl", grow: bool = True
+    branch: Branch[Any], number: int, options: BranchOptions, *, centre: Centre | None = None, grow: bool = True
 ) -> Branch[Any]:
     """The branch that crosses ``branch`` at its branch point ``number`` (the first is 1).
 
@@ -201,7 +228,7 @@ def switched(
         number: which of its branch points; on meshes those that shift or turn into each other come in twos, and lead to one
             branch.
         options: where to stop and how to step.
-        centre: of pearls: whether the new shapes are centred on a pearl or on a neck, where both branch off.
+        centre: of pearls: whether the new shapes are centred on a pearl (the default) or on a neck, where both branch off.
         grow: follow the half of a pitchfork on which the tube grows at its centre, or the largest new mode grows.
 
     Returns:
@@ -210,13 +237,16 @@ def switched(
     Raises:
         InputError: there is no such branch point, it was not located, or its new shapes cannot be followed.
     """
-    special = numbered(branch, number)
+    special, options = numbered(branch, number), known_options(options)
+    if centre is not None and not branch.points[-1].problem.centred:
+        raise InputError("centre: shapes that branch off here leave no choice of it; leave it out")
+    middle = choice("centre", centre or "pearl", get_args(Centre))
     if special.change == 0 and not branch.points[-1].problem.rejoins:
         raise InputError(
             f"switch: at branch point {number} the branch meets a more symmetric one; follow that from its start"
         )
     try:
-        return switch(branch, special, options, centre=centre, grow=grow)
+        return switch(branch, special, options, centre=middle, grow=grow)
     except LiftError as error:
         raise InputError(
             Sentence.joined(f"switch: at branch point {number} {error}", _on_a_mesh(branch, special))
@@ -234,7 +264,7 @@ def _on_a_mesh(branch: Branch[Any], special: SpecialPoint) -> str:
     pearls = round(place["L"] / start.problem.profile(start.u).period)
     return Sentence(
         "; a mesh may follow them: pearlbvp branch pearl --c0 {c0:.12g} --length {L:.12g}{radius_option} "
-        f"--mode {pearls},0 --nodes 1000 --save FILE.h5, then --resume FILE.h5 --switch the branch point that is there near "
+        f"--mode {pearls},0 --nodes 1000 --save FILE.h5, then pearlbvp switch FILE.h5 and the number of the branch point near "
         "lambda2 = {lambda2:.4g}, v = {v:.6g}",
         **{name: place[name] for name in ("c0", "L", "lambda2", "v")},
     )
@@ -246,9 +276,12 @@ def numbered(branch: Branch[Any], number: int) -> SpecialPoint:
     Raises:
         InputError: there is none, or it was not located.
     """
-    found: list[SpecialPoint] = branch.find("bp")
+    found: list[SpecialPoint] = known_branch(branch).find("bp")
+    number = whole("switch", number)
     if not 1 <= number <= len(found):
-        raise InputError(f"switch: the branch has {len(found)} branch points, so there is none of number {number}")
+        raise InputError(
+            f"switch: the branch has {len(found)} branch points, so there is none of number {number}; follow it further"
+        )
     special = found[number - 1]
     if not special.converged:
         raise InputError(

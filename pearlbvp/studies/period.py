@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Iterable, Iterator
 from concurrent.futures.process import BrokenProcessPool
 
@@ -15,7 +14,8 @@ from pearlbvp.continuation.chebyshev import Unresolved
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, positive
+from pearlbvp.helfrich import Tube, positive, whole
+from pearlbvp.messages import say
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.shapes.pearl import PearlProblem
@@ -119,7 +119,7 @@ def scan(cases: list[tuple[float, float, float | None]], processes: int | None =
                 yield row
                 done += 1
     except BrokenProcessPool:
-        print(f"pearlbvp: a worker process was killed; the other {len(cases) - done} are done in one", file=sys.stderr)
+        say(f"a worker process was killed; the other {len(cases) - done} are done in one")
         for case in cases[done:]:
             yield _row(*case)
 
@@ -153,8 +153,7 @@ def pearl_periods(
     if v is not None and positive("v", v) == 1:
         raise InputError("v: at v = 1 all pearls are the cylinder; give a volume above or below")
     cases = [(value, Tube(value, length).length, v) for value in as_numbers("c0", c0) for length in lengths]
-    if processes is not None and (not isinstance(processes, int) or processes < 1):
-        raise InputError(f"processes: {processes!r} must be a whole number, 1 or more")
+    processes = None if processes is None else whole("processes", processes)
     rows: list[dict[str, object]] = []
     with progress_bar("tube", len(cases), shown=progress) as bar:
         try:
@@ -162,7 +161,7 @@ def pearl_periods(
                 rows.append(row)
                 bar.update()
         except KeyboardInterrupt:
-            print(f"interrupted: {len(rows)} of {len(cases)} rows are done and kept", file=sys.stderr)
+            say(f"interrupted: {len(rows)} of {len(cases)} rows are done and kept", begin="")
     extra = [] if v is None else ["v", "pearls_least_energy", "E_least_energy"]
     table = pd.DataFrame(rows, columns=COLUMNS + extra)
     return table.astype({name: "Int64" for name in ("pearls", "pearls_least_energy") if name in table})

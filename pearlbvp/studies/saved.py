@@ -9,6 +9,7 @@ from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.storage import KIND, UNDEFINED, branch_of_tree, branch_tree
 from pearlbvp.hdf5 import load_tree, save_tree
 from pearlbvp.studies import families
+from pearlbvp.studies.branch import known_branch
 
 
 def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "save") -> None:
@@ -22,7 +23,7 @@ def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "save") 
     Raises:
         InputError: the place cannot be written to.
     """
-    save_tree(name, path, KIND, branch_tree(branch))
+    save_tree(name, path, KIND, branch_tree(known_branch(branch)))
 
 
 def load(path: str | os.PathLike[str], name: str = "resume") -> Branch[Any]:

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 
-from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.branch import Branch, Status
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed, Tube, finite, positive
+from pearlbvp.helfrich import Fixed, Tube, choice, finite, positive, whole
+from pearlbvp.membrane import checked_tolerance
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import PearlProblem
-from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.branch import known_options
+from pearlbvp.units import Sentence
 
 NO_SHAPE = 1e-3
 """Amplitude up to which the shape of least energy is the straight tube: of others the volume is at least 5e-7 from 1."""
@@ -29,7 +32,7 @@ def shape_branch(
     options: BranchOptions | None = None,
     *,
     cells: int = 1,
-    tolerance: float = 1e-9,
+    tolerance: float | None = None,
     fixed: Fixed = "area and volume",
 ) -> Branch[PearlProblem]:
     """The branch through the shape of least energy that lies downhill from a guess: a way to isolated branches.
@@ -50,8 +53,14 @@ def shape_branch(
     Raises:
         InputError: an argument that cannot be used, or a guess from which no equilibrium is reached.
     """
-    tube, v = Tube(c0, length), positive("volume", v)
-    amplitudes, why = relaxed(tube, v, np.array([finite("shape", value) for value in cosines]))
+    tube, v, options = Tube(c0, length), positive("volume", v), known_options(options)
+    cells, tolerance = whole("cells", cells), checked_tolerance(tolerance, 1e-9)
+    choice("fixed", fixed, get_args(Fixed))
+    try:
+        guess = np.array([finite("shape", value) for value in cosines])
+    except TypeError:
+        raise InputError(f"shape: {cosines!r} must be a list of cosines' amplitudes; give one like [0.1]") from None
+    amplitudes, why = relaxed(tube, v, guess)
     if why:
         raise InputError(f"shape: {why}")
     near = float(np.abs(amplitudes[1:]).max())
@@ -69,8 +78,11 @@ def shape_branch(
     upwards = np.zeros_like(u)
     upwards[-1] = 1.0  # v is the last unknown
     tangent = tangent_along(problem, u, upwards)
-    options = options or branch_options()
     down = continue_branch(Solution.along(problem, u, -tangent), options)
     lower, asked = down.reversed(), options
     both = replace(options, progress=lambda so_far: asked.progress(lower.extended(so_far)))
-    return lower.extended(continue_branch(Solution.along(problem, u, tangent), both))
+    both_ways = lower.extended(continue_branch(Solution.along(problem, u, tangent), both))
+    if not down.failed:
+        return both_ways
+    reason = Sentence.joined("towards smaller volumes ", down.reason, "; towards larger ones ", both_ways.reason)
+    return replace(both_ways, reason=reason, status=Status.FAILED)

@@ -16,12 +16,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, WaveNumbers, cylinder_energy, cylinder_lambda1
+from pearlbvp.helfrich import Tube, WaveNumbers, choice, cylinder_energy, cylinder_lambda1, mode_numbers
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, mode_type, onset_lambda2, stable_interval
 
 Family = Literal["pearl", "ring", "coil", "buckle"]
@@ -236,7 +236,8 @@ class AmplitudeEquation:
     def _check(self, family: str) -> None:
         if family not in self.families:
             raise InputError(
-                f"family: {family} does not branch off at mode ({self.m},{self.n}), but {' and '.join(self.families)}"
+                f"family: {family} does not branch off at mode ({self.m},{self.n}), but {' and '.join(self.families)}; give "
+                "that, or another mode"
             )
 
     def supercritical(self, family: Family) -> bool:
@@ -331,10 +332,8 @@ def amplitude_equation(tube: Tube, mode: WaveNumbers) -> AmplitudeEquation:
     Raises:
         InputError: see ``AmplitudeEquation``.
     """
-    m, n = mode
-    if m != int(m) or n != int(n):
-        raise InputError(f"mode: {m},{n} must be two whole numbers, like 1,0")
-    return AmplitudeEquation(tube, abs(int(m)), abs(int(n)))
+    m, n = mode_numbers("mode", mode, -math.inf)
+    return AmplitudeEquation(tube, abs(m), abs(n))
 
 
 def family_named(name: str) -> Family:
@@ -343,10 +342,7 @@ def family_named(name: str) -> Family:
     Raises:
         InputError: there is none of that name.
     """
-    for family in get_args(Family):
-        if family == name:
-            return family
-    raise InputError(f"family: {name!r} is none of {', '.join(get_args(Family))}")
+    return cast(Family, choice("family", name, get_args(Family)))
 
 
 def exchange_lengths(c0: float, m: int = 1, n: int = 1, shortest: float = 2.0, longest: float = 200.0) -> list[float]:

@@ -36,6 +36,7 @@ from scipy.special import ellipj, ellipk, ellipkinc, elliprj
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
+from pearlbvp.helfrich import finite
 from pearlbvp.representation import brief
 
 POINTS = 512
@@ -48,7 +49,7 @@ def lobes(n: int) -> int:
     Raises:
         InputError: it is no whole number from 2 on.
     """
-    if n != int(n) or n < 2:
+    if finite("mode", n) != int(n) or n < 2:
         raise InputError(f"mode: rings have a whole number of lobes from 2 on, not {n}; give 0,2 for instance")
     return int(n)
 

@@ -367,10 +367,9 @@ class TubeProblem(MembraneProblem):
             return "a cross-section is no longer star-shaped about its centre, as reduced modes need it"
         if spectrum.residual > RESOLVED * self.wave_number**4:
             size = " x ".join(str(most) for most in self.size if most)
-            return Sentence(
-                f"its growth rates are known to {{rate:.0e}} only, as its rigid motions show: {size} modes do not resolve it",
-                rate=spectrum.residual,
-            )
+            text = f"its growth rates are known to {{rate:.0e}} only, as its rigid motions show: {size} modes do not "
+            text += "resolve it; stop before, or follow the branch on a mesh (--nodes)"
+            raise SpectrumError(Sentence(text, rate=spectrum.residual))
         return None
 
     def equilibrium(self, u: Array, cell: Cell | None = None) -> Equilibrium:
@@ -389,7 +388,7 @@ class TubeProblem(MembraneProblem):
         along = max(period * (self.size[0] + 2), fastest + 2) if period else fastest + self.symmetry.turns
         return along, around
 
-    def _blocks(self, reach: tuple[int, int]) -> dict[TubeBlock, ModeWaves]:
+    def _blocks(self, reach: tuple[int, int], u: Array) -> dict[TubeBlock, ModeWaves]:
         """All blocks of perturbations up to the largest wave numbers, on the problem's length.
 
         Raises:
@@ -404,10 +403,20 @@ class TubeProblem(MembraneProblem):
             if not waves or sum(len(modes) ** 3 for modes in blocks.values()) > MOST_WORK:
                 raise SpectrumError(
                     f"its stability would take too many modes: up to {along} waves along and {around} around it "
-                    "may grow; take a shorter tube, or fewer waves"
+                    f"may grow; take {self._fewer(u)}"
                 )
             self._known_blocks[reach] = self._shared(blocks)
         return self._known_blocks[reach]
+
+    def _fewer(self, u: Array) -> str:
+        """What makes fewer perturbations grow: their number is that of waves up to ``_largest``, or of the shape's own."""
+        p, period, fold = self.parameters(u), self.symmetry.period or self.symmetry.turns, self.symmetry.fold
+        k = 2 * math.pi * period / p.length
+        own, by_curvature = k**2 + fold**2, abs(1 - 2 * p.c0)
+        words = ["fewer waves in the mode"] if own > max(4.0, by_curvature / 4) else []
+        words += ["a c0 nearer to 1/2"] if by_curvature > own else []
+        words += ["a shorter tube"] if k < 1 else ["a longer tube"] if k > fold else []
+        return ", or ".join(words)
 
     def _perturbed(self, u: Array, reach: tuple[int, int]) -> Equilibrium:
         """The solution on points that resolve its perturbations."""
@@ -445,7 +454,7 @@ class TubeProblem(MembraneProblem):
         """Growth rates of all perturbations that fit the tube."""
         reach = self._reach(u)
         equilibrium, known = self._perturbed(u, reach), self.known(u)
-        rates, kernel, blocks = {}, 0.0, self._blocks(reach)
+        rates, kernel, blocks = {}, 0.0, self._blocks(reach, u)
         for block, modes in zip(blocks, self._stretched(u, *blocks.values()), strict=True):
             rates[block], error = self._rates(equilibrium, known, modes)
             kernel = max(kernel, error)
@@ -454,7 +463,7 @@ class TubeProblem(MembraneProblem):
     def block_rates(self, u: Array, block: TubeBlock, like: Spectrum) -> Array:
         """Growth rates in one block."""
         reach = self._reach(u)
-        (modes,) = self._stretched(u, self._blocks(reach)[block])
+        (modes,) = self._stretched(u, self._blocks(reach, u)[block])
         return self._rates(self._perturbed(u, reach), self.known(u), modes)[0]
 
     def section(self, u: Array, x: float, points: int = 181) -> tuple[Array, Array]:

@@ -205,7 +205,8 @@ def _leading(second: Array, mass: Array) -> Array:
         except np.linalg.LinAlgError:
             if shift > largest:
                 raise SpectrumError(
-                    f"its growth rates have no bound up to {largest:.0e}: the modes do not resolve them"
+                    f"its growth rates have no bound up to {largest:.0e}: the modes do not resolve them; stop before, or "
+                    "follow the branch on a mesh (--nodes)"
                 ) from None
             shift *= 8
     inverse = solve_triangular(factor, solve_triangular(factor, mass, lower=True).T, lower=True)
