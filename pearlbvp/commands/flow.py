@@ -162,9 +162,9 @@ def flow(
             bar.update(len(state.record.rows["t"]) - bar.n)
             if save is not None:
                 with contextlib.suppress(InputError):  # on a full disk, which may have room again
-                    study.save(state, save)
+                    study.save(state, save, "--save")
 
-        state = beginning(*_start(branch, **start)) if resume is None else study.load(resume)
+        state = beginning(*_start(branch, **start)) if resume is None else study.load(resume, "--resume")
         units = units.of_flow(state.problem.law)
         settings: dict[str, Any] = {
             "velocity": units.from_user("velocity", velocity) if "velocity" in given else velocity,
@@ -193,7 +193,7 @@ def flow(
 
     others: list[Callable[[], object]] = []
     if save is not None:
-        others.append(lambda: study.save(result.state, save))
+        others.append(lambda: study.save(result.state, save, "--save"))
     if save_end is not None:
         others.append(lambda: None if end()[0] is None else saved.save(end()[0], save_end, "--save-end"))
     if movie is not None:
@@ -309,8 +309,7 @@ def _start(
             raise InputError(f"--{'mesh' if profile is None else 'profile'}: it goes with --c0 and --length; give both")
         if profile is None:
             return _of_a_file(mesh, units, c0, length, discretization, law, pressure)  # type: ignore[arg-type]
-        x, r = _profile(profile)
-        x, r = units.from_user("x", x), units.from_user("r", r)
+        x, r = _profile(profile, units, length, points)
         return profile_start(c0, length, x, r, points=points, law=law, pressure=pressure)
     if branch is None:
         if c0 is None or length is None:
@@ -359,8 +358,6 @@ def _of_a_file(
     path: Path, units: Units, c0: float, length: float, kind: Any, law: Any, pressure: float
 ) -> tuple[Any, Any]:
     """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
-    from tqdm import tqdm
-
     from pearlbvp.mesh.files import check_radius, read_tube
     from pearlbvp.studies.flow_start import surface_start
 
@@ -368,15 +365,31 @@ def _of_a_file(
     surface = units.surface_from_user(found)
     check_radius(surface)
     if said:
-        tqdm.write(f"pearlbvp: {said}", file=sys.stderr)  # beside a progress bar
+        _say(said)
     return surface_start(c0, surface, kind=kind, law=law, pressure=pressure)
 
 
-def _profile(path: Path) -> tuple[Any, Any]:
-    """Columns ``x`` and ``r`` of a table; of one without a header the first is ``x``."""
+def _profile(path: Path, units: Units, length: float, points: int) -> tuple[Any, Any]:
+    """Columns ``x`` and ``r`` of a table, in radii, without its rounding; of one without a header the first is ``x``."""
     import numpy as np
 
+    from pearlbvp.rounding import steps
+    from pearlbvp.studies.profiles import without_rounding
     from pearlbvp.tables import read_table
 
     table = read_table("profile", path, ("x", "r"), unnamed=("x", "r"))
-    return np.array(table["x"]), np.array(table["r"])
+    (x, x_steps), (r, r_steps) = (
+        (units.from_user(name, values), units.from_user(name, steps(values)))
+        for name, values in ((name, np.array(table[name])) for name in ("x", "r"))
+    )
+    rows = without_rounding(x, r, length, x_steps, r_steps, points=points)
+    if rows.said:
+        _say(f"{path.name}: {units.said(rows.said)}")
+    return rows.x, rows.r
+
+
+def _say(words: str) -> None:
+    """A line on standard error, beside a progress bar."""
+    from tqdm import tqdm
+
+    tqdm.write(f"pearlbvp: {words}", file=sys.stderr)
