@@ -378,7 +378,7 @@ def test_a_killed_run_resumes(tmp_path):
         assert rest.equilibrium.observables[name] == pytest.approx(whole.equilibrium.observables[name], abs=1e-10)
     check(rest)
     (tmp_path / "none.h5").write_bytes(b"nothing")
-    with pytest.raises(InputError, match="resume: .*no HDF5"):
+    with pytest.raises(InputError, match="path: .*no HDF5"):
         load(tmp_path / "none.h5")
 
 

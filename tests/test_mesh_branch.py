@@ -263,7 +263,7 @@ def test_saved_branches_come_back(mesh_coil, tmp_path):
     first, again = mesh_coil.points[-1].point, back.points[-1].point
     np.testing.assert_array_equal(again.problem.residual(again.u), first.problem.residual(first.u))
     assert again.problem.adapt == first.problem.adapt
-    with pytest.raises(InputError, match="resume: there is no file"):
+    with pytest.raises(InputError, match="path: there is no file"):
         load(tmp_path / "none.h5")
 
 

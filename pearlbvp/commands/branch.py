@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import (
+    File,
     ModeNumbers,
     Nodes,
     Number,
@@ -106,8 +107,8 @@ if TYPE_CHECKING:
 )
 @click.option("--tolerance", type=Number(), help="Error of the profile.  [default: 1e-9 for pearls, 1e-10 for rings]")
 @click.option("--pressure", is_flag=True, help="Stability at fixed area and given pressure, not fixed volume.")
-@click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the whole branch.")
-@click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved branch.")
+@click.option("--save", type=File(), metavar="FILE.h5", help="Save the whole branch.")
+@click.option("--resume", type=File(), metavar="FILE.h5", help="Go on from a saved branch.")
 @click.option("--switch", type=int, metavar="K", help="With --resume: follow the branch at its K-th bp instead.")
 @click.option("--centre", type=click.Choice(["pearl", "neck"]), default="pearl", show_default=True,
               help="With --switch, of pearls: what the new shapes are centred on.")  # fmt: skip
@@ -228,7 +229,7 @@ def branch(
         from pearlbvp.studies import branch as study
         from pearlbvp.studies import saved
 
-        known = None if resume is None else saved.load(resume)
+        known = None if resume is None else saved.load(resume, "--resume")
         if known is not None:
             _check_kind(family, saved.kind_of(known), given)
         checkpoint = _Checkpoint(save)
@@ -262,7 +263,7 @@ def branch(
         else:
             found = saved.resumed(known, options)
     table = units.columns(found.table()[study.COLUMNS])
-    saves = [] if save is None else [lambda: saved.save(found, save)]
+    saves = [] if save is None else [lambda: saved.save(found, save, "--save")]
 
     def draw() -> Figure:
         from pearlbvp.figures.branch import draw_branch

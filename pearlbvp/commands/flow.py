@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import ModeNumbers, Number
+from pearlbvp.commands.arguments import File, ModeNumbers, Number
 from pearlbvp.commands.branch import MODES, given_options
 from pearlbvp.commands.command import Command, of_this_command
 from pearlbvp.commands.output import (
@@ -44,17 +44,15 @@ if TYPE_CHECKING:
     "pearlbvp flow --mesh tube.ply --c0 0 --length 10 --time 5 --movie f.gif  |  "
     "pearlbvp flow --c0 0 --length 0.5 --radius 0.05 --point v=1.1 --delta=-0.005 --out f.csv",
 )
-@click.option(
-    "--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of any family."
-)
+@click.option("--from", "source", type=File(), metavar="FILE.h5", help="A saved branch of any family.")
 @click.option("--family", type=click.Choice(["pearl", "ring", "coil", "buckle"]), default="pearl", show_default=True,
               help="Without --from: the branch that is followed to --point NAME=VALUE.")  # fmt: skip
 @click.option("--c0", type=Number(), help="Without --from: spontaneous curvature.")
 @click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the tube.")
 @click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
-@click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv",
+@click.option("--profile", type=File(), metavar="FILE.csv",
               help="Start from radii instead: columns x and r of one period, with --c0 and --length.")  # fmt: skip
-@click.option("--mesh", type=click.Path(path_type=Path), metavar="FILE",
+@click.option("--mesh", type=File(), metavar="FILE",
               help="Start from a triangulated tube instead, one period, with --c0 and --length: VTU, VTP, VTK, PLY, OBJ, STL, "
               "OFF or MSH, repaired where needed.")  # fmt: skip
 @click.option(
@@ -89,11 +87,11 @@ if TYPE_CHECKING:
     "--velocity", type=Number(), default=1e-6, show_default="1e-6 / R^3", help="A stable shape slower than this rests."
 )
 @click.option("--max-seconds", type=Number(), default=600.0, show_default=True, help="Give up after so long.")
-@click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the flow, also on the way.")
-@click.option("--save-end", type=click.Path(path_type=Path), metavar="FILE.h5",
+@click.option("--save", type=File(), metavar="FILE.h5", help="Save the flow, also on the way.")
+@click.option("--save-end", type=File(), metavar="FILE.h5",
               help="Save the shape it rests on as a branch of one point, for pearlbvp branch --resume.")  # fmt: skip
-@click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved flow.")
-@click.option("--movie", type=click.Path(path_type=Path), metavar="FILE.gif", help="Write a movie.")
+@click.option("--resume", type=File(), metavar="FILE.h5", help="Go on from a saved flow.")
+@click.option("--movie", type=File(), metavar="FILE.gif", help="Write a movie.")
 @outputs
 @radius_option
 def flow(

@@ -82,7 +82,7 @@ def write_mesh(
     Raises:
         InputError: another ending, or a place that cannot be written to.
     """
-    path = writable(name, path)
+    path = writable(name, path, locked=True)
     kind = _format(name, path)
     mesh = mesh.reduced()
     pairs, corners = np.unique(

@@ -32,7 +32,7 @@ KINDS = {
 """How problems and spectra of a branch are read, by the kind that its file names."""
 
 
-def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "save") -> None:
+def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "path") -> None:
     """Save a branch as HDF5, whole or not at all.
 
     Args:
@@ -46,7 +46,7 @@ def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "save") 
     save_tree(name, path, KIND, branch_tree(branch))
 
 
-def load(path: str | os.PathLike[str], name: str = "resume") -> Branch[Any]:
+def load(path: str | os.PathLike[str], name: str = "path") -> Branch[Any]:
     """Load a branch that ``save`` saved. Nothing in the file is executed.
 
     Args:
