@@ -243,7 +243,7 @@ def test_a_flow_onto_the_straight_tube_ends_there():
 
 def test_the_exact_cylinder_is_refused():
     problem = GraphFlow(0.0, 10.0, 64)
-    with pytest.raises(InputError, match="shape: .*perturb"):
+    with pytest.raises(InputError, match="^q: .*perturb"):
         flow(problem, problem.coordinates(np.ones(64)))
 
 
@@ -283,7 +283,7 @@ def test_pinch_overhang_time_and_caps_are_said():
     assert (timed.status, timed.state.t) == ("time", 1e-3)
     assert flow(problem, q, FlowOptions(max_steps=5)).status == "steps"
     assert flow(problem, q, FlowOptions(max_seconds=1e-6)).status == "seconds"
-    with pytest.raises(InputError, match="shape: .*neck"):
+    with pytest.raises(InputError, match="^q: .*neck"):
         flow(replace(problem, thinnest=0.9), q)
 
 

@@ -160,7 +160,7 @@ def test_a_killed_flow_writes_what_it_has(folder, tmp_path):
         (["--from", "none.h5"], "--from"),
         (["--from", "{b}", "--c0", "0"], "--c0"),
         (["--from", "{b}", "--point", "A2"], "--point"),
-        (["--from", "{b}", "--point", "0"], "shape"),  # the straight tube
+        (["--from", "{b}", "--point", "0"], "--point"),  # the straight tube
         (["--from", "{b}", "--delta", "3"], "--delta"),
         (["--from", "{b}", "--out", "{b}"], "--out"),
         (["--from", "{b}", "--save", "{b}"], "--save"),
@@ -192,8 +192,8 @@ def test_a_killed_flow_writes_what_it_has(folder, tmp_path):
         (["--from", "{b}", "--nodes", "300", "--delta", "-50"], "--delta"),
         (["--from", "{b}", "--tube", "--size", "1,1"], "--size"),
         (["--from", "{b}", "--tube", "--size", "60,60"], "--size"),
-        (["--from", "{b}", "--tube", "--point", "0"], "shape"),
-        (["--from", "{b}", "--nodes", "300", "--point", "0"], "shape"),
+        (["--from", "{b}", "--tube", "--point", "0"], "--point"),
+        (["--from", "{b}", "--nodes", "300", "--point", "0"], "--point"),
         (["--c0", "0", "--length", "10", "--point", "v=1"], "--point"),
         (["--c0", "0", "--length", "10", "--point", "B"], "--point"),
         (["--c0", "0", "--length", "10", "--point=A7"], "--point"),
@@ -270,7 +270,7 @@ def test_the_last_words_are_in_the_user_s_unit(capsys, folder, law, time):
     path = folder / "thin.csv"
     pd.DataFrame({"x": [-5, -4, 0, 4, 5], "r": [2, 2, 0.015, 2, 2]}).to_csv(path, index=False)
     _, _, err = run(capsys, "flow", "--profile", path, "--c0", 0, "--length", 20, "--radius", 2)
-    assert "shape: the neck at x = 0 has a radius of 1.5e-02" in err
+    assert f"--profile: {path}: the neck at x = 0 has a radius of 1.5e-02" in err
 
 
 @pytest.mark.parametrize(("law", "time"), [("area and volume", 4), ("diffusion", 6)])

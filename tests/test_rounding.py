@@ -5,8 +5,11 @@ import pytest
 
 from pearlbvp.errors import InputError
 from pearlbvp.flow.driver import start
+from pearlbvp.mesh import rounding
+from pearlbvp.mesh.families import jittered, tube_mesh
+from pearlbvp.mesh.files import read_smooth_tube, read_tube, write_mesh
 from pearlbvp.rounding import steps
-from pearlbvp.studies.flow_start import profile_start
+from pearlbvp.studies.flow_start import profile_start, surface_start
 from pearlbvp.studies.profiles import without_rounding
 
 L = 10 / 3
@@ -126,6 +129,56 @@ def test_rows_there_twice_are_said_and_refused_where_they_differ():
         read(x[twice], differing)
     rounded = decimals(differing, 3)  # by no more than the rounding allows
     assert read(x[twice], rounded).said.startswith("left out 2 rows at places")
+
+
+def pearl(x, phi):
+    return np.column_stack((x, sine(x) * np.cos(phi), sine(x) * np.sin(phi)))
+
+
+def cut_at_the_period(mesh):
+    """One period of a tube of period ``L``, as a file has it."""
+    mesh = mesh.reduced()
+    pairs, number = np.unique(
+        np.column_stack((mesh.triangles.ravel(), mesh.wraps.ravel())), axis=0, return_inverse=True
+    )
+    points = mesh.vertices[pairs[:, 0]] + L * pairs[:, 1:] * [1, 0, 0]
+    return points, number.reshape(-1, 3)
+
+
+def first_multipliers(mesh, kind="subdivision"):
+    rows = start(*surface_start(0.0, mesh, kind=kind)).record.rows
+    return np.array([rows["lambda1"][0], rows["lambda2"][0]])
+
+
+@pytest.mark.parametrize("axis", ["x", "z"])
+@pytest.mark.parametrize(("d", "tolerance"), [(2, 0.15), (3, 0.03), (4, 0.02), (5, 0.02)])
+def test_meshes_of_few_decimals_give_the_multipliers_of_the_surface(tmp_path, d, tolerance, axis):
+    """Which have the wrong sign on the rounded mesh itself; those of the exact mesh are off by 0.01."""
+    mesh = tube_mesh(L, 800, pearl)
+    points, triangles = cut_at_the_period(mesh)
+    points = points[:, [1, 2, 0] if axis == "z" else [0, 1, 2]]
+    path = tmp_path / "t.obj"
+    faces = "".join("f {} {} {}\n".format(*(face + 1)) for face in triangles)
+    path.write_text("".join("v {:.{d}f} {:.{d}f} {:.{d}f}\n".format(*p, d=d) for p in points) + faces)
+    smooth, said = read_smooth_tube(path, round(L, d))  # as its ends are apart
+    assert f"coordinates are rounded to {10.0**-d:.1g}, too few digits for curvatures: smoothed" in said
+    assert first_multipliers(smooth) == pytest.approx(exact(sine), abs=tolerance)
+    rough, _ = read_tube(path, round(L, d))
+    assert np.abs(smooth.vertices - rough.vertices).max() <= 10.0**-d
+    if d < 4:
+        assert first_multipliers(rough)[0] < 2 * exact(sine)[0]
+
+
+def test_meshes_of_enough_digits_or_rough_by_themselves_stay_as_they_are(tmp_path):
+    path = tmp_path / "t.ply"
+    write_mesh(tube_mesh(L, 400, pearl), path)
+    for mesh, step in ((tube_mesh(L, 400, pearl), 1e-9), (jittered(tube_mesh(L, 400), 0.1, surface=pearl), 1e-6)):
+        same, moved = rounding.without_rounding(mesh, step)
+        assert moved == 0
+        assert same is mesh
+    mesh, said = read_smooth_tube(path, L)
+    assert said == ""
+    assert (mesh.vertices == read_tube(path, L)[0].vertices).all()
 
 
 @pytest.mark.parametrize("d", range(9))

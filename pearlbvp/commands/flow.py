@@ -162,7 +162,14 @@ def flow(
                 with contextlib.suppress(InputError):  # on a full disk, which may have room again
                     study.save(state, save, "--save")
 
-        state = beginning(*_start(branch, **start)) if resume is None else study.load(resume, "--resume")
+        if resume is not None:
+            state = study.load(resume, "--resume")
+        else:
+            problem, q = _start(branch, **start)
+            try:
+                state = beginning(problem, q)
+            except InputError as error:  # of the shape, which the user knows as where it comes from
+                raise InputError(f"{_origin(start)}: {units.said(error.args[0]).removeprefix('q: ')}") from None
         units = units.of_flow(state.problem.law)
         settings: dict[str, Any] = {
             "velocity": units.from_user("velocity", velocity) if "velocity" in given else velocity,
@@ -205,6 +212,11 @@ def flow(
     if result.status == "interrupted":
         return INTERRUPTED
     return DONE if result.complete and (save_end is None or branch is not None) else SOME_FAILED
+
+
+def _origin(start: dict[str, Any]) -> str:
+    """Where a flow's first shape is from, as it was typed."""
+    return next((f"--{name}: {start[name]}" for name in ("profile", "mesh") if start[name] is not None), "--point")
 
 
 PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}
@@ -356,10 +368,10 @@ def _of_a_file(
     path: Path, units: Units, c0: float, length: float, kind: Any, law: Any, pressure: float
 ) -> tuple[Any, Any]:
     """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
-    from pearlbvp.mesh.files import check_radius, read_tube
+    from pearlbvp.mesh.files import check_radius, read_smooth_tube
     from pearlbvp.studies.flow_start import surface_start
 
-    found, said = read_tube(path, units.to_user("length", length))
+    found, said = read_smooth_tube(path, units.to_user("length", length), "--mesh")
     surface = units.surface_from_user(found)
     check_radius(surface)
     if said:
