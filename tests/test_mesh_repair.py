@@ -287,7 +287,7 @@ PEARL = cut(known(pearl, 150))
         (torus(), L, "length: the surface is closed, of extent"),
         (torus(), 6.0, "length: the surface is closed, of extent"),
         (with_rings_inside(PEARL), L, "lie at the same place, but for whole periods"),
-        (with_fin(PEARL), L, "triangles: 3 meet at the edge from vertex"),
+        (with_fin(PEARL), L, "triangles: 3 triangles meet at the edge from vertex"),
         (Polygons(np.where(PEARL.points[:, :1] > 9.9, PEARL.points * [1, 1.1, 1], PEARL.points), PEARL.faces), L, "length: no two points .* its two ends do not match"),
         (moebius(cut(known(helix, 150))), L, "one side only"),
         (Polygons(PEARL.points * [1.1, 1, 1], PEARL.faces), L, "its ends are the same 11 apart along x; give that as the period"),

@@ -297,7 +297,7 @@ def test_a_branch_ends_exactly_at_contact_unless_told_to_stop_before():
     assert (near.table().r_min < 4e-3).sum() > 3
     beyond = branch(-1.0, v=0.1)
     assert (beyond.reason, beyond.complete) == (CONTACT, False)
-    with pytest.raises(InputError, match="^path: "):
+    with pytest.raises(InputError, match="^resume: "):
         ring_resumed(whole, branch_options())
 
 

@@ -297,7 +297,7 @@ def _check_topology(mesh: PeriodicMesh) -> None:
         i = int(np.searchsorted(start, gap, side="right")) - 1
         corner = int(np.argmax(mesh.tail == i))
         raise MeshError.at(
-            "triangles: the ones about vertex {0} are no single fan; split the vertex", triangles, corner
+            "triangles: the triangles about vertex {0} are no single fan; split the vertex", triangles, corner
         )
     reached, periods = _reached(start, order, mesh.head, mesh.shift)
     if (away := _first(~reached[mesh.tail])) is not None:

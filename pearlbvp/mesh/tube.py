@@ -95,7 +95,7 @@ def _check_edges(surface: Surface) -> None:
 
 def _manifold(surface: Surface, half_edge: int, count: int) -> MeshError:
     return surface.error(
-        f"triangles: {count} meet at the edge from vertex {{0}} to {{1}} (triangle {{triangle}}); leave two of them",
+        f"triangles: {count} triangles meet at the edge from vertex {{0}} to {{1}} (triangle {{triangle}}); leave two of them",
         half_edge,
         half_edge + 1 if half_edge % 3 < 2 else half_edge - 2,
     )
@@ -226,7 +226,9 @@ def _oriented(surface: Surface, triangles: Integers, wraps: Integers) -> tuple[I
     graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * total,) * 2)
     label = connected_components(graph, directed=False)[1].reshape(2, total)
     if (label[0] == label[1]).any():
-        raise InputError("triangles: not all can be oriented alike, as the surface has one side only; give a tube")
+        raise InputError(
+            "triangles: the triangles cannot all be oriented alike, as the surface has one side only; give a tube"
+        )
     flipped = label[0] > label[1]
     if 2 * flipped.sum() > total:
         flipped = ~flipped

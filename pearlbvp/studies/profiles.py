@@ -48,11 +48,18 @@ WAVES = (16, 64, 256)
 SPARE = 3
 """Rows that there are at least beyond the numbers of a smooth profile; without any, everything would fit."""
 
-SURE = 2.0
-"""Standard deviations of the sum of squared rounding errors up to which a smooth profile meets the rows."""
+SHARE = 5
+"""One of so many rows at least is beyond them, too."""
 
-KURTOSIS = 0.8
-"""Variance of the square of an evenly distributed error, by the square of its variance; of a normal one it is 2."""
+COST = 2.0
+"""What a further number has to take off the sum of squared errors, by the logarithm of the number of rows.
+
+Schwarz's criterion (Ann. Statist. 6 (1978) 461) has 1; but rows of one wave are alike in twos and fours, and so is their
+rounding, which makes waves of its own.
+"""
+
+LARGEST = 3.0
+"""Square of the largest rounding error, half a step, by the mean square of all."""
 
 EVIDENT = 0.1
 """Share of fourth differences from which on rounding that cannot be smoothed is said."""
@@ -120,9 +127,9 @@ def _kept(x: Array, r: Array, length: float, allowed: float | None = None) -> In
 def without_rounding(x: Array, r: Array, length: float, x_steps: Array, r_steps: Array, *, points: int = 128) -> Rows:
     """The rows of a profile in a file, smoothed where its digits are too few to tell how it is curved.
 
-    The smooth profile has the fewest waves with which its distances from the rows are those of rounding (V. A. Morozov's
-    discrepancy principle: as smooth as what is known of the errors allows). Places that were equally far apart before they
-    were rounded are so again. Rows of enough digits are returned as they are.
+    The smooth profile has as few waves as what is known of the errors allows: each further one must lessen the distances from
+    the rows by more than rounding alone would, and those that remain must be such as rounding leaves. Places that were equally
+    far apart before they were rounded are so again. Rows of enough digits are returned as they are.
 
     Args:
         x, r, length: as for ``one_period``.
@@ -190,26 +197,26 @@ def _share(spline: CubicSpline, errors: Array, length: float, count: int) -> flo
 
 
 def _fewest_waves(x: Array, r: Array, errors: Array, length: float) -> tuple[Array, int] | None:
-    """The rows on the profile of the fewest waves that meets them to within their errors, and how many; None if none does.
+    """The rows on the profile of as few waves as the errors ask for, and how many; None if none is as near as rounding is.
 
     One orthogonal triangularization tells the sums of squares of all numbers of waves.
     """
+    count = len(x)
     gap = float(np.diff(np.append(x, x[0] + length)).max())
-    most = min((len(x) - SPARE) // 2, int(length / (2 * gap)), WAVES[-1])
+    most = min((count - max(SPARE, count // SHARE) - 1) // 2, int(length / (2 * gap)), WAVES[-1])
     phase = 2 * np.pi * (x - x[0]) / length
     for waves in sorted({min(number, most) for number in WAVES}):
         triangle = np.zeros((0, 2 * waves + 2))
-        for rows in np.split(np.arange(len(x)), range(AT_ONCE, len(x), AT_ONCE)):
+        for rows in np.split(np.arange(count), range(AT_ONCE, count, AT_ONCE)):
             block = np.column_stack((_waves(phase[rows], waves), r[rows])) / errors[rows, None]
             triangle = np.asarray(np.linalg.qr(np.vstack((triangle, block)), mode="r"))
-        left = np.cumsum(triangle[::-1, -1] ** 2)[::-1]
-        for number in range(waves + 1):
-            size = 2 * number + 1
-            free = len(x) - size
-            rest = float(left[size]) if size < len(left) else 0.0
-            if rest <= free + SURE * np.sqrt(KURTOSIS * free):
-                values = solve_triangular(triangle[:size, :size], triangle[:size, -1])
-                return np.asarray(_waves(phase, number) @ values), number
+        left = np.append(np.cumsum(triangle[::-1, -1] ** 2)[::-1], 0.0)
+        sizes = 2 * np.arange(waves + 1) + 1
+        number = int((left[sizes] + COST * np.log(count) * sizes).argmin())
+        size = int(sizes[number])
+        if left[size] <= LARGEST * (count - size) and (number < waves or waves == most):
+            values = solve_triangular(triangle[:size, :size], triangle[:size, -1])
+            return np.asarray(_waves(phase, number) @ values), number
     return None
 
 
