@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import stat
@@ -17,6 +18,11 @@ MOST_TEXT = 2**26
 MOST_BINARY = 2**31
 """Bytes of the longest saved branch, flow or mesh that is read or written (2 GB)."""
 
+try:
+    import fcntl
+except ImportError:  # where the system has other locks, which keep files from being replaced by themselves
+    fcntl = None  # type: ignore[assignment]
+
 LONGEST_ENDING = 16
 """Characters of a file's ending that its temporary name keeps: longer ones name no format."""
 
@@ -25,12 +31,16 @@ def named(name: str, path: str | os.PathLike[str]) -> Path:
     """``path`` as a Path.
 
     Raises:
-        InputError: it is no name of a file.
+        InputError: it is no name of a file, or one that ends as a folder's does, which a Path would forget.
     """
     try:
-        return Path(path)
+        text = os.fspath(path)
+        found = Path(path)
     except TypeError:
         raise InputError(f"{name}: {path!r} is no name of a file; give a text or a Path") from None
+    if text.endswith(tuple(filter(None, (os.sep, os.altsep)))) and not os.path.isdir(text):
+        raise InputError(f"{name}: {shortened(text)} ends as a folder's name does; give a file's name")
+    return found
 
 
 def readable(name: str, path: str | os.PathLike[str], most: int = MOST_BINARY) -> Path:
@@ -77,16 +87,17 @@ def read_whole(name: str, path: str | os.PathLike[str], most: int = MOST_BINARY)
     return content
 
 
-def writable(name: str, path: str | os.PathLike[str]) -> Path:
+def writable(name: str, path: str | os.PathLike[str], *, locked: bool = False) -> Path:
     """``path`` as a Path, checked before anything is computed for it.
 
     Args:
         name: the argument's name, for the message.
         path: where a file is to be written.
+        locked: take a file, too, that another program is writing: what was computed for it is not to be lost.
 
     Raises:
         InputError: its folder does not exist or cannot be written to, or it is a folder itself, or write-protected, or
-            its name is too long.
+            another program is writing it, or its name is too long.
     """
     path, found = named(name, path), None
     if str(path) == "-":
@@ -106,9 +117,31 @@ def writable(name: str, path: str | os.PathLike[str]) -> Path:
     # Renaming onto a file needs no right to write it, and a superuser has all rights: its own bits say what is meant.
     if found is not None and (not found.st_mode & 0o222 or not os.access(path, os.W_OK)):
         raise InputError(f"{name}: {path} is write-protected; give another name, or chmod u+w it first")
+    if found is not None and not locked and _is_being_written(path):
+        raise InputError(
+            f"{name}: another program has {path} open for writing; close it there first, or give another name"
+        )
     if not os.access(folder, os.W_OK) and not (found and not stat.S_ISREG(found.st_mode)):
         raise InputError(f"{name}: the folder {folder} cannot be written to; choose another")
     return path
+
+
+def _is_being_written(path: Path) -> bool:
+    """Whether a program holds the file for itself, as HDF5 does while it writes.
+
+    A file is replaced, not overwritten: who reads the old one reads on, and is no obstacle. But what somebody still writes into
+    it would be lost without a word.
+    """
+    if fcntl is None or not path.is_file():
+        return False
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)  # beside readers; closing the file gives it back
+        except BlockingIOError:
+            return True
+        except OSError:  # a file system without locks
+            return False
+    return False
 
 
 def write_whole(name: str, path: Path, write: Callable[[Path], object]) -> None:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
@@ -39,6 +40,9 @@ SUPERBLOCK = SIGNATURE + b"\x03"
 OPEN_FLAGS = 11
 """Place of the byte that is not 0 while a program has the file open for writing, or where it was killed meanwhile."""
 
+OF_KIND = re.compile(rb"(pearlbvp [a-z ]{1,40}), format (\d{1,9})")
+"""The first line of a saved file, of whatever kind and format."""
+
 VERSIONS = ("v110", "v110")
 
 MOST_OBJECTS = 1_000_000
@@ -50,6 +54,9 @@ DEEPEST = 8
 Tree = Mapping[str, Any]
 """Names with arrays, numbers, words, or trees again."""
 
+AGAIN = "give an intact copy, or compute it anew"
+"""What helps where a file is damaged, which may be the only one."""
+
 T = TypeVar("T")
 
 
@@ -60,12 +67,13 @@ def save_tree(name: str, path: str | os.PathLike[str], kind: str, tree: Tree) ->
         name: the argument's name, for the message.
         path: where to.
         kind: what the file holds, in a word or two.
-        tree: its content.
+        tree: its content. A file that another program is writing is replaced, so that this is not lost; the command
+            line refuses it before anything is computed.
 
     Raises:
         InputError: the place cannot be written to.
     """
-    path = writable(name, path)
+    path = writable(name, path, locked=True)
     memory = io.BytesIO()
     with h5py.File(memory, "w", libver=VERSIONS, userblock_size=HEADER) as file:
         _write(file, tree)
@@ -115,7 +123,7 @@ def load_tree(
         OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError
     ):  # fmt: skip
         raise InputError(
-            f"{name}: {path} cannot be read as a saved {_what(kind)}: something is missing or misplaced in it; save it again"
+            f"{name}: {path} cannot be read as a saved {_what(kind)}: something is missing or misplaced in it; {AGAIN}"
         ) from None
 
 
@@ -132,7 +140,7 @@ def _unsealed(name: str, path: str | os.PathLike[str], kind: str, content: bytes
             if image.startswith(SUPERBLOCK) and image[OPEN_FLAGS : OPEN_FLAGS + 1] > b"\0":
                 raise InputError(f"{name}: another program has {path} open for writing; close it there first")
             raise InputError(
-                f"{name}: {path} is not as it was saved: it was cut off, damaged or changed since; save it again"
+                f"{name}: {path} is not as it was saved: it was cut off, damaged or changed since; {AGAIN}"
             )
         return image
     what = f"no {_what(kind)} saved by this version"
@@ -140,13 +148,17 @@ def _unsealed(name: str, path: str | os.PathLike[str], kind: str, content: bytes
         what += ", but empty"
     elif SIGNATURE not in content[: 2 * HEADER]:
         what += ": it is no HDF5 file"
-    elif first.startswith(b"pearlbvp ") and not first.startswith(kind.encode()):
-        what += f", but a saved {_what(first.decode('ascii', 'replace').partition(',')[0])}"
+    elif (other := OF_KIND.fullmatch(first)) and other[1] != kind.encode():
+        what += f", but a saved {_what(other[1].decode())}"
+    elif other:
+        what += f", but by another, whose format is {int(other[2])}"
+    elif b"pearlbvp" in first:
+        what += ": its first line is damaged"
     raise InputError(f"{name}: {path} is {what}; give one that {writer} wrote")
 
 
 def kind_of(name: str, path: str | os.PathLike[str]) -> str:
-    """What a file says that it holds, in the words of ``save_tree``; of files of other programs whatever its first line says.
+    """What a file says that it holds, in the words of ``save_tree``; nothing of files of other programs, and damaged ones.
 
     Args:
         name: the argument's name, for the message.
@@ -155,8 +167,8 @@ def kind_of(name: str, path: str | os.PathLike[str]) -> str:
     Raises:
         InputError: there is no such file, or it cannot be read.
     """
-    first = read_whole(name, path)[:HEADER].partition(b"\n")[0]
-    return first.decode("utf-8", "replace").partition(",")[0]
+    other = OF_KIND.fullmatch(read_whole(name, path)[:HEADER].partition(b"\n")[0])
+    return other[1].decode() if other else ""
 
 
 def _what(kind: str) -> str:

@@ -13,6 +13,9 @@ COMMENTS = ("#", "%")
 
 BYTE_ORDER_MARKS = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "utf-8-sig"))
 
+WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")
+"""How files of spreadsheet programs begin, those of today and older ones."""
+
 
 def read_table(
     name: str,
@@ -24,8 +27,9 @@ def read_table(
     """Columns of a table in a file.
 
     The first line that is no comment is the header; the one before it, if that is a comment with the wanted names. Separators
-    are commas, semicolons, tabs or spaces; decimal commas are read where the separator is another. Spaces around names, and
-    a byte-order mark, are no part of them. Empty entries are NaN.
+    are commas, semicolons, tabs or spaces; decimal commas are read where the separator is another, or in quotation marks.
+    Spaces around names, a byte-order mark, and Excel's first line that names the separator are no part of them; capital and
+    small letters are one where no name is the very one. Empty entries are NaN, empty rows are none.
 
     Args:
         name: the argument's name, for the message.
@@ -41,7 +45,7 @@ def read_table(
     rows, above = _rows(lines)
     if not rows:
         raise InputError(f"{name}: {path} holds no table; it needs a header and at least one row")
-    header, first = [word.strip() for word in rows[0]], 2
+    header, first = [word.strip().strip("\ufeff") for word in rows[0]], 2
     if all(_is_number(word) for word in header):
         header = above if columns and set(columns) <= set(above) and len(above) == len(header) else list(unnamed)
         first = 1
@@ -55,15 +59,18 @@ def read_table(
         raise InputError(f"{name}: {path} holds no table; it needs a header and at least one row")
     for row in rows:
         if len(row) != len(header):
+            decimal = len(row) > len(header) and all(word.strip().lstrip("+-").isdigit() for word in row)
             raise InputError(
-                f"{name}: {path} has {len(header)} columns but a row of {len(row)}: {','.join(row)[:80]}; complete it"
+                f"{name}: {path} has {len(header)} columns but a row of {len(row)}: {','.join(row)[:80]}; "
+                + ("write decimal points where commas are no separators" if decimal else "complete it")
             )
+    written, header = header, _as_wanted(name, path, header, [*(columns or ()), *optional])
     chosen = list(header) if columns is None else list(columns)
     chosen += [column for column in optional if column in header and column not in chosen]
     missing = [column for column in chosen if column not in header]
     if missing:
         raise InputError(
-            f"{name}: {path} has no column {', '.join(missing)}; its columns are {', '.join(header)[:200]}"
+            f"{name}: {path} has no column {', '.join(missing)}; its columns are {', '.join(written)[:200]}"
         )
     twice = [column for column in chosen if header.count(column) > 1]
     if twice:
@@ -74,8 +81,30 @@ def read_table(
     }
 
 
+def _as_wanted(name: str, path: str | os.PathLike[str], header: list[str], wanted: Sequence[str]) -> list[str]:
+    """The header with the names that are wanted written as they are wanted: ``X`` is ``x`` where there is no ``x``.
+
+    Raises:
+        InputError: two columns could be one that is wanted.
+    """
+    found = list(header)
+    for column in wanted:
+        places = [i for i, own in enumerate(header) if own.casefold() == column.casefold()]
+        if column in header or not places:
+            continue
+        if len(places) > 1:
+            both = " and ".join(repr(header[i]) for i in places[:2])
+            raise InputError(
+                f"{name}: {path} has the columns {both}, either of which may be {column}; rename one of them"
+            )
+        found[places[0]] = column
+    return found
+
+
 def _text(name: str, path: str | os.PathLike[str]) -> str:
     content = read_whole(name, path, MOST_TEXT)
+    if content.startswith(WORKBOOKS):
+        raise InputError(f"{name}: {path} is a workbook of a spreadsheet program, not CSV; save its table as CSV there")
     encoding = next((found for mark, found in BYTE_ORDER_MARKS if content.startswith(mark)), "utf-8")
     try:
         try:
@@ -93,20 +122,33 @@ def _rows(lines: Sequence[str]) -> tuple[list[list[str]], list[str]]:
     """The lines that are no comments, in words, and the words of the comment above the first."""
     kept: list[str] = []
     above = ""
-    for line in lines:
+    separator = _separator(lines)
+    for i, line in enumerate(lines):
         if line.strip().startswith(COMMENTS):
             above = above if kept else line.strip().lstrip("".join(COMMENTS))
-        elif line.strip():
+        elif line.strip().strip(separator) and not (i == 0 and _named_separator(line)):
             kept.append(line.partition("#")[0].rstrip())
     if not kept:
         return [], []
-    separator = next((mark for mark in (";", "\t", ",") if mark in kept[0]), " ")
-    rows = _split(kept, separator)
+    rows = [row for row in _split(kept, separator) if any(word.strip() for word in row)]
     if len(rows) > 1 and all(row[-1] == "" for row in rows):  # a separator at the end of each line
         rows = [row[:-1] for row in rows]
-    if separator != ",":
-        rows = [[_with_point(word) for word in row] for row in rows]
+    rows = [[_with_point(word) for word in row] for row in rows]
     return rows, [word.strip() for word in _split([above], separator)[0]]
+
+
+def _separator(lines: Sequence[str]) -> str:
+    """What stands between the words: as the first line says, or as the first one of the table shows."""
+    if lines and (named := _named_separator(lines[0])):
+        return named
+    first = next((line for line in lines if line.strip() and not line.strip().startswith(COMMENTS)), "")
+    return next((mark for mark in (";", "\t", ",") if mark in first), " ")
+
+
+def _named_separator(line: str) -> str:
+    """The separator that a first line like ``sep=;`` names, as Excel writes and reads it; else nothing."""
+    name, equals, mark = line.strip(" \r\n").partition("=")
+    return mark if equals and name.strip().casefold() == "sep" and mark in (";", "\t", ",", " ") else ""
 
 
 def _split(lines: list[str], separator: str) -> list[list[str]]:

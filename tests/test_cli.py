@@ -317,6 +317,45 @@ def test_no_output_overwrites_another_or_the_branch_it_starts_from(capsys, tmp_p
     assert run(capsys, *map(str, ("resume", saved, "--save", saved, "--until", "v=1.02")))[0] == 0
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ["branch", "pearl", "--c0", "0", "--length", "10", "--save", "{}/"],
+            "--save: {}/ is a folder's name; give a file's",
+        ),
+        (["resume", "{}/"], "FILE: {}/ is a folder's name; give a file's name"),
+        (
+            ["dispersion", "--c0", "0", "--length", "10", "--out", "{}/"],
+            "--out: {}/ is a folder's name; give a file's name",
+        ),
+        (["show", "{}/"], "FILE: {}/ is a folder's name; give a file's name"),
+        (
+            ["dispersion", "--c0", "0", "--length", "10", "--plot", "{}"],
+            "--plot: new has no ending that names its format; give",
+        ),
+        (
+            ["flow", "--resume", "f.h5", "--movie", "{}"],
+            "--movie: new has no ending that names its format; give one of .gif",
+        ),
+        (
+            ["show", "f.h5", "--surface", "{}"],
+            "has no ending that names its format; give one of .csv, .obj, .ply, .vtu",
+        ),
+        (["show", "f.h5", "--profile", "{}"], "has no ending that names its format; give one of .csv"),
+        (
+            ["mesh", "--length", "10", "--out", "{}"],
+            "has none of the endings .vtu, .ply, .obj; choose one of these formats",
+        ),
+    ],
+)
+def test_names_of_folders_and_names_without_the_ending_that_decides_are_refused(capsys, tmp_path, arguments, said):
+    status, out, err = run(capsys, *(word.format(tmp_path / "new") for word in arguments))
+    assert (status, out) == (2, "")
+    assert said.format(tmp_path / "new") in err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_amplitude_writes_coefficients_predictions_and_comparisons(capsys, tmp_path):
     tube = ["--c0", "0", "--length", "10"]
     computed, beside = tmp_path / "b.csv", tmp_path / "c.csv"

@@ -4,6 +4,7 @@ import os
 import stat
 import zlib
 
+import h5py
 import pytest
 
 from pearlbvp.errors import InputError
@@ -135,3 +136,27 @@ def test_inputs_are_regular_files_of_bounded_size(tmp_path):
         read_whole("--compare", path, 9)
     with pytest.raises(InputError, match="^--compare: .*more than 9 bytes|has 0 bytes"):
         read_whole("--compare", "/proc/self/status", 9)  # says that it has 0 bytes
+
+
+def test_a_file_that_another_program_is_writing_is_not_replaced_and_one_that_it_reads_is(tmp_path):
+    """By HDF5's own locks, as another program has them: what it still writes would go into a file without a name."""
+    path = tmp_path / "f.h5"
+    with h5py.File(path, "w"):
+        pass
+    with h5py.File(path, "r"):
+        assert writable("--save", path) == path
+    with h5py.File(path, "r+"):
+        with pytest.raises(
+            InputError, match=r"^--save: another program has .* open for writing; close it there first, or"
+        ):
+            writable("--save", path)
+        assert writable("--save", path, locked=True) == path
+    assert writable("--save", path) == path
+
+
+def test_a_name_that_ends_like_a_folder_s_is_no_file_s(tmp_path):
+    for check in (writable, readable):
+        with pytest.raises(InputError, match=r"^path: .*new/ ends as a folder's name does; give a file's name"):
+            check("path", f"{tmp_path}/new/")
+        with pytest.raises(InputError, match=r"^path: .* is a folder; give a file's name"):
+            check("path", f"{tmp_path}/")

@@ -14,6 +14,8 @@ import pytest
 from commands import run
 
 from pearlbvp.helfrich import Tube
+from pearlbvp.mesh.families import tube_mesh
+from pearlbvp.mesh.files import write_mesh
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.onward import switched
 from pearlbvp.studies.saved import save
@@ -120,6 +122,40 @@ def test_a_profile_in_another_unit_is_not_taken_for_one_in_radii(capsys):
     assert table["area"].iloc[0] == pytest.approx(1 + (0.05 * k) ** 2 / 4, abs=1e-6)
 
 
+@pytest.mark.parametrize(("unit", "decimals"), [(1, 3), (50, 1)])
+def test_a_profile_of_few_decimals_is_smoothed_which_is_said_in_the_user_s_unit(capsys, tmp_path, unit, decimals):
+    """By its rows as they are written it has a tension of about -100."""
+    length, path = unit * 10 / 3, tmp_path / "p.csv"
+    x = np.linspace(0, length, 41)
+    r = unit * (1 + 0.1 * np.sin(2 * np.pi * x / length))
+    path.write_text(" X , R\n" + "".join(f"{a:.{decimals}f},{b:.{decimals}f}\n" for a, b in zip(x, r, strict=True)))
+    table, err = rows_of(
+        capsys, "--profile", path, "--c0", 0, "--length", length, "--radius", unit, "--time", 1e-9 * unit**4
+    )
+    assert table["lambda1"].iloc[0] * unit**2 == pytest.approx(-2.394236, abs=0.03)  # test_rounding has the closed form
+    rounded = f"{10.0**-decimals:.2g}"
+    assert (
+        f"pearlbvp: p.csv: r is rounded to {rounded}, too few digits for its curvature: smoothed by 1 wave, which"
+        in err
+    )
+
+
+def test_what_is_wrong_with_a_mesh_is_said_of_the_file_that_was_typed(capsys, tmp_path):
+    path = tmp_path / "t.obj"
+    write_mesh(tube_mesh(10.0, 100), path)
+    whole = path.read_text().replace("v ", "v nan ", 1).split("\n")
+    for lines, said in (
+        (whole, ""),
+        ([line for line in path.read_text().split("\n") if line != "f 1 2 3"][:-5], "the edge from vertex"),
+    ):
+        path.write_text("\n".join(lines))
+        status, out, err = run(capsys, "flow", "--mesh", path, "--c0", 0, "--length", 10)
+        assert (status, out) == (2, "")
+        assert err.startswith(f"pearlbvp: --mesh: {path}")
+        assert said in err
+        write_mesh(tube_mesh(10.0, 100), path)
+
+
 def test_a_flow_onto_the_straight_tube_says_so(capsys, folder, tmp_path):
     """At given pressure, where the straight tube is stable."""
     x = np.linspace(-5, 5, 41)
@@ -166,7 +202,7 @@ def test_a_killed_flow_writes_what_it_has(folder, tmp_path):
         (["--from", "none.h5"], "--from"),
         (["--from", "{b}", "--c0", "0"], "--c0"),
         (["--from", "{b}", "--point", "A2"], "--point"),
-        (["--from", "{b}", "--point", "0"], "shape"),  # the straight tube
+        (["--from", "{b}", "--point", "0"], "--point"),  # the straight tube
         (["--from", "{b}", "--delta", "3"], "--delta"),
         (["--from", "{b}", "--out", "{b}"], "--out"),
         (["--from", "{b}", "--save", "{b}"], "--save"),
@@ -198,8 +234,8 @@ def test_a_killed_flow_writes_what_it_has(folder, tmp_path):
         (["--from", "{b}", "--nodes", "300", "--delta", "-50"], "--delta"),
         (["--from", "{b}", "--tube", "--size", "1,1"], "--size"),
         (["--from", "{b}", "--tube", "--size", "60,60"], "--size"),
-        (["--from", "{b}", "--tube", "--point", "0"], "shape"),
-        (["--from", "{b}", "--nodes", "300", "--point", "0"], "shape"),
+        (["--from", "{b}", "--tube", "--point", "0"], "--point"),
+        (["--from", "{b}", "--nodes", "300", "--point", "0"], "--point"),
         (["--c0", "0", "--length", "10", "--point", "v=1"], "--point"),
         (["--c0", "0", "--length", "10", "--point", "B"], "--point"),
         (["--c0", "0", "--length", "10", "--point=A7"], "--point"),
@@ -216,7 +252,7 @@ def test_mistakes_are_one_line(capsys, folder, arguments, name):
     assert err.count("\n") == 1
     if "=A7" in arguments[-1] or arguments[-1] == "B":
         assert "A2 (pearl, c0 = 0, L = 10 radii), B (coil, c0 = 0, L = 10 radii)" in err
-    if arguments[-1] == "v=1" or name == "shape":
+    if arguments[-1] == "v=1" or perturb:
         assert "straight tube" in err
 
 
@@ -276,7 +312,7 @@ def test_the_last_words_are_in_the_user_s_unit(capsys, folder, law, time):
     path = folder / "thin.csv"
     pd.DataFrame({"x": [-5, -4, 0, 4, 5], "r": [2, 2, 0.015, 2, 2]}).to_csv(path, index=False)
     _, _, err = run(capsys, "flow", "--profile", path, "--c0", 0, "--length", 20, "--radius", 2)
-    assert "shape: the neck at x = 0 has a radius of 1.5e-02" in err
+    assert f"--profile: {path}: the neck at x = 0 has a radius of 1.5e-02" in err
 
 
 @pytest.mark.parametrize(("law", "time"), [("area and volume", 4), ("diffusion", 6)])

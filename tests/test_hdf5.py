@@ -78,7 +78,8 @@ def test_a_flipped_bit_anywhere_is_seen(path):
         damaged = bytearray(whole)
         damaged[place] ^= 1 << random.integers(8)
         path.write_bytes(damaged)
-        refused(path)
+        assert refused(path).isascii()  # whatever byte it is, it is not shown
+        assert "save it again" not in refused(path)  # of the only copy
 
 
 def test_a_file_that_was_cut_off_grown_or_replaced_is_refused(path):
@@ -93,6 +94,14 @@ def test_a_file_that_was_cut_off_grown_or_replaced_is_refused(path):
         refused(path)
     save_tree("save", path, "pearlbvp other", TREE)
     assert "is no trial saved by this version, but a saved other" in refused(path)
+
+
+def test_a_damaged_first_line_is_said_to_be_so(path):
+    whole = path.read_bytes()
+    path.write_bytes(whole.replace(b"trial", b"tr\xe9al", 1))
+    assert "is no trial saved by this version: its first line is damaged; give" in refused(path)
+    path.write_bytes(whole.replace(b"format 2", b"format 9", 1))
+    assert "is no trial saved by this version, but by another, whose format is 9; give" in refused(path)
 
 
 def _huge(file):

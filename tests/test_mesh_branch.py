@@ -259,7 +259,7 @@ def test_saved_branches_come_back(mesh_coil, tmp_path):
     first, again = mesh_coil.points[-1], back.points[-1]
     np.testing.assert_array_equal(again.problem.residual(again.u), first.problem.residual(first.u))
     assert again.problem.adapt == first.problem.adapt
-    with pytest.raises(InputError, match="resume: there is no file"):
+    with pytest.raises(InputError, match="path: there is no file"):
         load(tmp_path / "none.h5")
 
 
@@ -300,10 +300,10 @@ def test_files(ending, tmp_path):
     with pytest.raises(InputError, match="length"):
         read_mesh(where, -1)
     where.write_text("no mesh at all")
-    with pytest.raises(InputError, match="mesh: .*tube"):
+    with pytest.raises(InputError, match="path: .*tube"):
         read_mesh(where, L)
     where.write_text("ply\nformat ascii 1.0\n")  # a header without an end
-    with pytest.raises(InputError, match="mesh: .*tube"):
+    with pytest.raises(InputError, match="path: .*tube"):
         read_mesh(where, L)
 
 
@@ -311,7 +311,7 @@ def test_files_that_cannot_be(tmp_path):
     mesh = tube_mesh(L, 100)
     with pytest.raises(InputError, match=r"out: tube.stl has none of the endings"):
         write_mesh(mesh, tmp_path / "tube.stl")
-    with pytest.raises(InputError, match="mesh: there is no file"):
+    with pytest.raises(InputError, match="path: there is no file"):
         read_mesh(tmp_path / "none.vtu", L)
     with pytest.raises(InputError, match="triangles: a corner is none"):
         joined(mesh.vertices, np.array([[0, 1, 1000]]), L)

@@ -98,7 +98,39 @@ def test_a_vertex_that_is_not_finite_is_named(file, ending, number):
     def spoil(points, _):
         points[5, 1] = np.nan
 
-    assert f"vertices: vertex {number} (of the file" in message(file(ending, spoil))
+    path = file(ending, spoil)
+    assert message(path).startswith(f"path: {path}: vertex {number} (of the file")
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("f 0 1 2", "line 3 has a face with the corner 0; OBJ counts its vertices from 1"),
+        ("f 1/1 2/1 0/1", "line 3 has a face with the corner 0; OBJ counts its vertices from 1"),
+        ("f -1 -2 -9", "line 3 has a face with the corner -9, and 2 vertices are before it"),
+        ("f 1 2", "line 3 begins with 'f' and is not a face of three or more whole numbers"),
+        ("f 1 2 x", "line 3 begins with 'f' and is not a face of three or more whole numbers"),
+        ("v 1 2", "line 3 begins with 'v' and is not a vertex of three coordinates"),
+        ("surf 1 2", "line 3 begins with 'surf', which is none of its statements"),
+        ("f 1 2 7", "a corner is none of its 2 vertices (in face 1; both are numbered from 1)"),
+    ],
+)
+def test_lines_of_obj_that_cannot_be_used_say_why(tmp_path, line, said):
+    path = tmp_path / "t.obj"
+    path.write_text(f"v 0 0 0\nv 1 0 0\n{line}\n")
+    assert message(path) == f"path: {path} cannot be read as OBJ ({said}); export it again"
+
+
+def test_what_is_wrong_with_triangles_is_said_of_the_argument_that_has_them():
+    mesh = tube_mesh(L, 100)
+    corners, triangles = mesh.corners.reshape(-1, 3), np.arange(3 * len(mesh.triangles)).reshape(-1, 3)
+    for points, faces, said in (
+        (np.where(np.arange(len(corners))[:, None] == 7, np.nan, corners), triangles, "points: vertex 7"),
+        (corners, triangles[:-1], "triangles: the edge from vertex"),
+        (corners, triangles + 9, "triangles: a corner is none of"),
+    ):
+        with pytest.raises(InputError, match=f"^{said}"):
+            joined(points, faces, L)
 
 
 def test_points_that_no_triangle_has_are_passed_over():

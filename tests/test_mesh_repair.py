@@ -248,6 +248,21 @@ def moebius(polygons):
     return Polygons(points, polygons.faces)
 
 
+def debris(size, at=4.5):
+    """A triangle in the middle of the tube, or elsewhere."""
+    return Polygons(np.array([[at, 0, 0], [at + 0.1, 0, 0], [at, 0.03 * size, 0]]), [[0, 1, 2]])
+
+
+def far(vertex, place):
+    points = PEARL.points.copy()
+    points[vertex, 1] = place
+    return Polygons(points, PEARL.faces)
+
+
+def coarse(around):
+    return grid(cylinder, around, max(6, 2 * around))
+
+
 STRAIGHT = cut(known(None, 150))
 PEARL = cut(known(pearl, 150))
 
@@ -258,20 +273,27 @@ PEARL = cut(known(pearl, 150))
         (without(PEARL, 100), L, "triangles: the edge from vertex .* has no second triangle"),
         (without(PEARL, 100).moved(rotation(2)), L, "has no second triangle"),
         (without(PEARL, 30, 100, 150), L, "has no second triangle"),
-        (twice(PEARL, [0, 5, 0]), L, "cannot be reached from vertex .*; give one tube"),
-        (twice(PEARL, [0, 5, 0]).moved(rotation(4)), L, "; give one tube"),
-        (beside(PEARL, sphere()), L, "give one tube"),
+        (twice(PEARL, [0, 5, 0]), L, r"there are 2 pieces, the largest of 288 triangles, and 288 triangles \(with vertex 155\); delete all but one tube"),
+        (twice(PEARL, [0, 5, 0]).moved(rotation(4)), L, "; delete all but one tube"),
+        (beside(PEARL, sphere()), L, r"2 pieces, the largest of 456 triangles, and 288 triangles \(with vertex \d+\); delete"),
         (sphere(), L, "length: the surface is closed, of extent"),
+        (beside(PEARL, debris(3)), L, r"2 pieces, the largest of 288 triangles, and 1 triangle \(with vertex 153\); delete"),
+        (beside(beside(PEARL, debris(3)), debris(7, at=6.0)), L, "3 pieces, the largest of 288 triangles, and 1 .*153.*, 1 .*156"),
+        (beside(PEARL.moved(AXES["z"]), debris(3, at=0.2)), L, r"2 pieces, .* and 1 triangle \(with vertex 153\)"),
+        (far(17, 1e30), L, r"vertex 17 \(of the file, from 0 on\) at \[.*e\+30.*\] is 1e\+30 away from the middle of all"),
+        (far(17, -1e7), L, r"vertex 17 \(of the file, from 0 on\) at .* is 1e\+07 away from the middle of all, half of which"),
+        (coarse(3), L, "about 3 vertices lie around the tube beyond .* too few for the shape of a section; mesh it with 5 or"),
+        (coarse(4).moved(rotation(6)), L, "about 4 vertices lie around the tube beyond"),
         (torus(), L, "length: the surface is closed, of extent"),
         (torus(), 6.0, "length: the surface is closed, of extent"),
         (with_rings_inside(PEARL), L, "lie at the same place, but for whole periods"),
-        (with_fin(PEARL), L, "triangles: 3 meet at the edge from vertex"),
+        (with_fin(PEARL), L, "triangles: 3 triangles meet at the edge from vertex"),
         (Polygons(np.where(PEARL.points[:, :1] > 9.9, PEARL.points * [1, 1.1, 1], PEARL.points), PEARL.faces), L, "length: no two points .* its two ends do not match"),
         (moebius(cut(known(helix, 150))), L, "one side only"),
         (Polygons(PEARL.points * [1.1, 1, 1], PEARL.faces), L, "its ends are the same 11 apart along x; give that as the period"),
         (Polygons(PEARL.points * [1.1, 1, 1], PEARL.faces).moved(AXES["z"]), L, "its ends are the same 11 apart along z"),
         (grid(lambda x, phi: pearl(1.2 * x, phi), 12, 24), L, "length: .* ends do not match"),
-        (twice(STRAIGHT, [1.0, 0, 0]), L, "give one tube|lie at the same place|meet at the edge|no second triangle|cannot be reached|do not match"),
+        (twice(STRAIGHT, [1.0, 0, 0]), L, "delete all but one tube|lie at the same place|meet at the edge|no second triangle|cannot be reached|do not match"),
         (Polygons(STRAIGHT.points, STRAIGHT.faces[:1]), L, "no two points"),
         (Polygons(STRAIGHT.points * 0, STRAIGHT.faces), L, "no face of the file has an area"),
         (Polygons(STRAIGHT.points * [1e200, 1, 1], STRAIGHT.faces), L, "ordinary size"),
@@ -299,6 +321,12 @@ def test_vertices_that_are_not_finite_and_corners_that_are_none_are_named():
     points = PEARL.points.copy()
     points[PEARL.faces[9][0], 1] = np.nan
     assert f"vertices: vertex {PEARL.faces[9][0]} (of the file, from 0 on)" in refusal(Polygons(points, PEARL.faces))
+
+
+@pytest.mark.parametrize("around", [5, 6, 7])
+def test_five_vertices_around_are_enough_however_they_lie(around):
+    for polygons in (coarse(around), coarse(around).moved(AXES["any"])):
+        assert read(polygons)[0].count == around * 2 * around
 
 
 def test_half_and_double_periods_are_refused_by_their_number():

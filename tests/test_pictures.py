@@ -54,7 +54,6 @@ def pictures(capsys, saved, folder):
         "dispersion.pdf": ("dispersion", "--c0", 0.48, "--length", 30),
         "dispersion.svg": ("dispersion", "--c0", 0.48, "--length", 30),
         "dispersion.eps": ("dispersion", "--c0", 0.48, "--length", 30),
-        "noending": ("dispersion", "--c0", 0.48, "--length", 30),
         "dispersion.jpg": ("dispersion", "--c0", 0.48, "--length", 30),
         "pearl.png": ("resume", saved / "pearl.h5", *resumed),
         "coil.png": ("resume", saved / "coil.h5", *resumed),
@@ -134,7 +133,7 @@ def test_settings_of_a_session_change_no_byte_of_a_picture_or_movie(capsys, save
     with matplotlib.rc_context(HOSTILE):
         hostile = pictures(capsys, saved, tmp_path / "hostile")
         assert matplotlib.rcParams["text.usetex"]  # the session keeps its own
-    assert len(plain) == 11
+    assert len(plain) == 10
     assert [name for name in plain if plain[name] != hostile[name]] == []
     with Image.open(tmp_path / "plain" / "f.gif") as movie:
         assert movie.size == (540, 288)

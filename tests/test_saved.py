@@ -65,21 +65,21 @@ def test_files_that_are_no_branches(tmp_path, request, family):
     whole = path.read_bytes()
     for damaged in (whole[: len(whole) // 2], b"", b"text", whole[:100] + b"x" * 300 + whole[400:]):
         path.write_bytes(damaged)
-        with pytest.raises(InputError, match="^resume: ") as raised:
+        with pytest.raises(InputError, match="^path: ") as raised:
             load(path)
         assert "\n" not in str(raised.value)
-    with pytest.raises(InputError, match="^resume: there is no file"):
+    with pytest.raises(InputError, match="^path: there is no file"):
         load(tmp_path / "none.h5")
     with h5py.File(path, "w") as file:
         file["anything"] = np.zeros(3)
-    with pytest.raises(InputError, match="^resume: .*no branch"):
+    with pytest.raises(InputError, match="^path: .*no branch"):
         load(path)
     for change in (_shorten, _rename, _empty, _nowhere):
         path.write_bytes(whole)
         with h5py.File(path, "r+") as file:
             change(file)
         path.write_bytes(sealed(KIND, path.read_bytes()[HEADER:]))
-        with pytest.raises(InputError, match=r"^resume: .*something is missing or misplaced in it"):
+        with pytest.raises(InputError, match=r"^path: .*something is missing or misplaced in it"):
             load(path)
 
 

@@ -9,6 +9,8 @@ from commands import is_png, run
 
 import pearlbvp.continuation.segment
 import pearlbvp.newton
+from pearlbvp.errors import InputError
+from pearlbvp.flow.driver import start
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.files import read_mesh
 from pearlbvp.mesh.problem import MeshProblem
@@ -16,8 +18,11 @@ from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.ring import RingProblem
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.diagram import diagram
+from pearlbvp.studies.flow import load as load_flow
+from pearlbvp.studies.flow import save as save_flow
+from pearlbvp.studies.flow_start import profile_start
 from pearlbvp.studies.onward import switched
-from pearlbvp.studies.saved import save
+from pearlbvp.studies.saved import load, save
 from pearlbvp.tube.problem import TubeProblem
 
 
@@ -259,3 +264,26 @@ def test_a_diagram_s_mistakes_are_said_in_one_line(capsys, files, words, named):
     status, _, err = run(capsys, "diagram", *(files[word][0] if word in files else word for word in words))
     assert (status, err.count("\n")) == (2, 1)
     assert named in err
+
+
+def test_a_damaged_flow_is_named_as_the_file_that_was_typed(capsys, tmp_path):
+    x = np.linspace(-5, 5, 40, endpoint=False)
+    path = tmp_path / "f.h5"
+    save_flow(start(*profile_start(0.0, 10.0, x, 1 + 0.1 * np.cos(0.2 * np.pi * x))), path)
+    whole = path.read_bytes()
+    for place, said in (
+        (700, "cut off, damaged or changed since; give an intact copy, or compute it anew"),
+        (10, "; give"),
+    ):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 0x80]) + whole[place + 1 :])
+        status, out, err = run(capsys, "show", path)
+        assert (status, out) == (2, "")
+        assert err.startswith(f"pearlbvp: FILE: {path} is ")
+        assert said in err
+        assert err.isascii()
+        status, _, err = run(capsys, "flow", "--resume", path)
+        assert err.startswith(f"pearlbvp: --resume: {path} is ")
+    with pytest.raises(InputError, match=r"^path: there is no file nope\.h5"):
+        load_flow("nope.h5")
+    with pytest.raises(InputError, match=r"^path: there is no file nope\.h5"):
+        load("nope.h5")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pearlbvp.commands.arguments import ModeNumbers, Number, Numbers
+from pearlbvp.commands.arguments import File, ModeNumbers, Number, Numbers
 from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import check_distinct, check_outputs, outputs, write, write_table
 from pearlbvp.errors import InputError
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
               help="Of the first mode's branches the one to predict.  [default: the one that is stable]")  # fmt: skip
 @click.option("--largest", type=Number(), metavar="A",
               help="Predict up to this amplitude.  [default: 0.2, or less near a resonance]")  # fmt: skip
-@click.option("--branch", type=click.Path(path_type=Path), metavar="FILE.csv",
+@click.option("--branch", type=File(), metavar="FILE.csv",
               help="Write the predicted branch there.")  # fmt: skip
-@click.option("--compare", type=click.Path(path_type=Path), metavar="BRANCH.csv",
+@click.option("--compare", type=File(), metavar="BRANCH.csv",
               help="A computed branch: draw it too, and write it beside the prediction in the table of --branch.")  # fmt: skip
 @outputs
 def amplitude(
@@ -99,7 +99,7 @@ def amplitude(
 @click.option("--lengths", type=Numbers(), required=True, help="Tube lengths.")
 @click.option(
     "--meetings",
-    type=click.Path(path_type=Path),
+    type=File(),
     metavar="FILE.csv",
     help="Write where two modes become critical at once.",
 )

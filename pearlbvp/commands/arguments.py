@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import click
@@ -33,6 +35,19 @@ class Number(click.ParamType):
         from pearlbvp.helfrich import finite
 
         return finite(_option(param), value)
+
+
+class File(click.ParamType):
+    """A file's name, which a Path would take from ``name/`` as well."""
+
+    name = "file"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """Take the text; whether there is such a file is seen where it is used."""
+        if isinstance(value, str) and value.endswith(tuple(filter(None, (os.sep, os.altsep)))):
+            named = param.metavar.partition(".")[0] if isinstance(param, click.Argument) and param.metavar else None
+            raise InputError(f"{named or _option(param)}: {value} is a folder's name; give a file's name")
+        return Path(value)
 
 
 def _option(param: click.Parameter | None) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import ModeNumbers, Number, Until, wanted_places
+from pearlbvp.commands.arguments import File, ModeNumbers, Number, Until, wanted_places
 from pearlbvp.commands.command import Command, Option, of_this_command
 from pearlbvp.commands.output import SOME_FAILED, check_distinct, check_outputs, outputs, radius_option, write
 from pearlbvp.errors import InputError
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     "pearlbvp diagram --c0 0.48 --length 15 --depth 1 --out t.csv --plot d.png  |  "
     "pearlbvp diagram --c0 0 --length 10 --depth 0 --mode 1,0 --mode 1,1 --mode 0,2 --processes 2 --plot d.png",
 )
-@click.argument("files", type=click.Path(path_type=Path), nargs=-1, metavar="[FILE.h5 ...]")
+@click.argument("files", type=File(), nargs=-1, metavar="[FILE.h5 ...]")
 @click.option("--x", default="v", show_default=True, metavar="COLUMN", help="Drawn to the right: any column.")
 @click.option("--y", default="E", show_default=True, metavar="COLUMN", help="Drawn upwards: any column.")
 @click.option("--c0", cls=Option, excludes=("files",), type=Number(), help="Without files: spontaneous curvature.")

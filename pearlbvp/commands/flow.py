@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import ModeNumbers, Number
+from pearlbvp.commands.arguments import File, ModeNumbers, Number
 from pearlbvp.commands.command import Command, of_this_command, options_given
 from pearlbvp.commands.output import (
     DONE,
@@ -43,17 +43,15 @@ if TYPE_CHECKING:
     "pearlbvp flow --mesh tube.ply --c0 0 --length 10 --time 5 --movie f.gif  |  "
     "pearlbvp flow --c0 0 --length 0.5 --radius 0.05 --point v=1.1 --delta=-0.005 --out f.csv",
 )
-@click.option(
-    "--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of any family."
-)
+@click.option("--from", "source", type=File(), metavar="FILE.h5", help="A saved branch of any family.")
 @click.option("--family", type=click.Choice(["pearl", "ring", "coil", "buckle"]), default="pearl", show_default=True,
               help="Without --from: the branch that is followed to --point NAME=VALUE.")  # fmt: skip
 @click.option("--c0", type=Number(), help="Without --from: spontaneous curvature.")
 @click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the tube.")
 @click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
-@click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv",
+@click.option("--profile", type=File(), metavar="FILE.csv",
               help="Start from radii instead: columns x and r of one period, with --c0 and --length.")  # fmt: skip
-@click.option("--mesh", type=click.Path(path_type=Path), metavar="FILE",
+@click.option("--mesh", type=File(), metavar="FILE",
               help="Start from a triangulated tube instead, one period, with --c0 and --length: VTU, VTP, VTK, PLY, OBJ, STL, "
               "OFF or MSH, repaired where needed.")  # fmt: skip
 @click.option(
@@ -88,11 +86,11 @@ if TYPE_CHECKING:
     "--velocity", type=Number(), default=1e-6, show_default="1e-6 / R^3", help="A stable shape slower than this rests."
 )
 @click.option("--max-seconds", type=Number(), default=600.0, show_default=True, help="Give up after so long.")
-@click.option("--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the flow, also on the way.")
-@click.option("--save-end", type=click.Path(path_type=Path), metavar="FILE.h5",
+@click.option("--save", type=File(), metavar="FILE.h5", help="Save the flow, also on the way.")
+@click.option("--save-end", type=File(), metavar="FILE.h5",
               help="Save the shape it rests on as a branch of one point, for pearlbvp branch --resume.")  # fmt: skip
-@click.option("--resume", type=click.Path(path_type=Path), metavar="FILE.h5", help="Go on from a saved flow.")
-@click.option("--movie", type=click.Path(path_type=Path), metavar="FILE.gif", help="Write a movie.")
+@click.option("--resume", type=File(), metavar="FILE.h5", help="Go on from a saved flow.")
+@click.option("--movie", type=File(), metavar="FILE.gif", help="Write a movie.")
 @outputs
 @radius_option
 def flow(
@@ -161,9 +159,16 @@ def flow(
             bar.update(len(state.record.rows["t"]) - bar.n)
             if save is not None:
                 with contextlib.suppress(InputError):  # on a full disk, which may have room again
-                    study.save(state, save)
+                    study.save(state, save, "--save")
 
-        state = beginning(*_start(branch, **start)) if resume is None else study.load(resume)
+        if resume is not None:
+            state = study.load(resume, "--resume")
+        else:
+            problem, q = _start(branch, **start)
+            try:
+                state = beginning(problem, q)
+            except InputError as error:  # of the shape, which the user knows as where it comes from
+                raise InputError(f"{_origin(start)}: {units.said(error.args[0]).removeprefix('q: ')}") from None
         units = units.of_flow(state.problem.law)
         settings: dict[str, Any] = {
             "velocity": units.from_user("velocity", velocity) if "velocity" in given else velocity,
@@ -192,7 +197,7 @@ def flow(
 
     others: list[Callable[[], object]] = []
     if save is not None:
-        others.append(lambda: study.save(result.state, save))
+        others.append(lambda: study.save(result.state, save, "--save"))
     if save_end is not None:
         others.append(lambda: None if end()[0] is None else saved.save(end()[0], save_end, "--save-end"))
     if movie is not None:
@@ -206,6 +211,11 @@ def flow(
     if result.status == "interrupted":
         return INTERRUPTED
     return DONE if result.complete and (save_end is None or branch is not None) else SOME_FAILED
+
+
+def _origin(start: dict[str, Any]) -> str:
+    """Where a flow's first shape is from, as it was typed."""
+    return next((f"--{name}: {start[name]}" for name in ("profile", "mesh") if start[name] is not None), "--point")
 
 
 PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}
@@ -306,8 +316,7 @@ def _start(
             raise InputError(f"--{'mesh' if profile is None else 'profile'}: it goes with --c0 and --length; give both")
         if profile is None:
             return _of_a_file(mesh, units, c0, length, discretization, law, pressure)  # type: ignore[arg-type]
-        x, r = _profile(profile)
-        x, r = units.from_user("x", x), units.from_user("r", r)
+        x, r = _profile(profile, units, length, points)
         return profile_start(c0, length, x, r, points=points, law=law, pressure=pressure)
     if branch is None:
         if c0 is None or length is None:
@@ -346,10 +355,10 @@ def _of_a_file(
     path: Path, units: Units, c0: float, length: float, kind: Any, law: Any, pressure: float
 ) -> tuple[Any, Any]:
     """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
-    from pearlbvp.mesh.files import check_radius, read_tube
+    from pearlbvp.mesh.files import check_radius, read_smooth_tube
     from pearlbvp.studies.flow_start import surface_start
 
-    found, said = read_tube(path, units.to_user("length", length))
+    found, said = read_smooth_tube(path, units.to_user("length", length), "--mesh")
     surface = units.surface_from_user(found)
     check_radius(surface)
     if said:
@@ -357,11 +366,20 @@ def _of_a_file(
     return surface_start(c0, surface, kind=kind, law=law, pressure=pressure)
 
 
-def _profile(path: Path) -> tuple[Any, Any]:
-    """Columns ``x`` and ``r`` of a table; of one without a header the first is ``x``."""
+def _profile(path: Path, units: Units, length: float, points: int) -> tuple[Any, Any]:
+    """Columns ``x`` and ``r`` of a table, in radii, without its rounding; of one without a header the first is ``x``."""
     import numpy as np
 
+    from pearlbvp.rounding import steps
+    from pearlbvp.studies.profiles import without_rounding
     from pearlbvp.tables import read_table
 
     table = read_table("profile", path, ("x", "r"), unnamed=("x", "r"))
-    return np.array(table["x"]), np.array(table["r"])
+    (x, x_steps), (r, r_steps) = (
+        (units.from_user(name, values), units.from_user(name, steps(values)))
+        for name, values in ((name, np.array(table[name])) for name in ("x", "r"))
+    )
+    rows = without_rounding(x, r, length, x_steps, r_steps, points=points)
+    if rows.said:
+        say(f"{path.name}: {units.said(rows.said)}")
+    return rows.x, rows.r

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import Number, Until, wanted_places
+from pearlbvp.commands.arguments import File, Number, Until, wanted_places
 from pearlbvp.commands.command import of_this_command
 from pearlbvp.commands.output import (
     DONE,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from pearlbvp.units import Units
 
 save_option = click.option(
-    "--save", type=click.Path(path_type=Path), metavar="FILE.h5", help="Save the whole branch."
+    "--save", type=File(), metavar="FILE.h5", help="Save the whole branch."
 )  # fmt: skip
 
 
@@ -126,7 +126,7 @@ class Following:
         from pearlbvp.studies.branch import COLUMNS
 
         table = self.units.columns(found.table()[COLUMNS])
-        saves = [] if self.save is None else [lambda: saved.save(found, self.save)]  # type: ignore[arg-type]
+        saves = [] if self.save is None else [lambda: saved.save(found, self.save, "--save")]  # type: ignore[arg-type]
 
         def draw() -> Figure:
             from pearlbvp.figures.branch import draw_branch

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pearlbvp.commands.arguments import Number, Numbers
+from pearlbvp.commands.arguments import File, Number, Numbers
 from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import check_distinct, check_outputs, computed_aside, outputs, radius_option, write
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
 @click.option("--period", type=Number(), required=True, metavar="P", help="Axial period of the pearls, above 2 pi.")
 @click.option("--lengths", type=Numbers(), required=True, help="Tube lengths, multiples of the period.")
-@click.option("--compare", type=click.Path(path_type=Path), metavar="FILE.csv",
+@click.option("--compare", type=File(), metavar="FILE.csv",
               help="Put this table's columns beside the rows that agree in c0, period and L; v_... is drawn too.")  # fmt: skip
 @outputs
 @radius_option

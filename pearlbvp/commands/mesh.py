@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import Nodes, Number, check_meshable
+from pearlbvp.commands.arguments import File, Nodes, Number, check_meshable
 from pearlbvp.commands.command import Command, options_given
 from pearlbvp.commands.output import check_distinct, check_outputs, radius_option, write
 from pearlbvp.errors import InputError
@@ -28,9 +28,7 @@ if TYPE_CHECKING:
     "pearlbvp mesh --from b.h5 --point v=1.2 --nodes 3000 --out pearl.vtu --plot pearl.png  |  "
     "pearlbvp mesh --from b.h5 --point A2 --solve --out a2.ply",
 )
-@click.option(
-    "--from", "source", type=click.Path(path_type=Path), metavar="FILE.h5", help="A saved branch of any family."
-)
+@click.option("--from", "source", type=File(), metavar="FILE.h5", help="A saved branch of any family.")
 @click.option("--point", default="-1", show_default=True, metavar="K|NAME=VALUE|A2",
               help="With --from: a point's number, a column's value, or a name of the paper.")  # fmt: skip
 @click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the straight tube.")
@@ -39,8 +37,8 @@ if TYPE_CHECKING:
 @click.option("--discretization", type=click.Choice(["subdivision", "cotangent"]), default="subdivision",
               show_default=True, help="Of the energy, and with --solve of the equilibrium.")  # fmt: skip
 @click.option("--solve", is_flag=True, help="Let Newton's method find the equilibrium of the mesh at the same volume.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE.vtu|.ply|.obj", help="Write the mesh there.")
-@click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.png", help="Draw a picture of the surface.")
+@click.option("--out", type=File(), metavar="FILE.vtu|.ply|.obj", help="Write the mesh there.")
+@click.option("--plot", type=File(), metavar="FILE.png", help="Draw a picture of the surface.")
 @radius_option
 def mesh(
     source: Path | None,

@@ -7,12 +7,12 @@ from typing import Any
 
 import click
 
-from pearlbvp.commands.arguments import SpecialKind
+from pearlbvp.commands.arguments import File, SpecialKind
 from pearlbvp.commands.command import Command
 from pearlbvp.commands.following import Following, following, save_option
 from pearlbvp.messages import say
 
-file_argument = click.argument("file", type=click.Path(path_type=Path), metavar="FILE.h5")
+file_argument = click.argument("file", type=File(), metavar="FILE.h5")
 down_option = click.option("--down", is_flag=True, help="Begin towards smaller values.")
 name_argument = click.argument("name", type=click.Choice(["c0", "L"]))
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import Radius
+from pearlbvp.commands.arguments import File, Radius
 from pearlbvp.commands.command import of_this_command
 from pearlbvp.errors import InputError
 from pearlbvp.messages import drop, say, why_not_written
@@ -35,9 +35,9 @@ PICTURES = (".png", ".pdf", ".svg", ".eps", ".ps", ".jpg", ".jpeg", ".tif", ".ti
 def outputs(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that all commands with a table share."""
     for decorate in (
-        click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.png",
+        click.option("--plot", type=File(), metavar="FILE.png",
                      help="Draw a picture (PNG, PDF, SVG, ... by the ending)."),
-        click.option("--out", type=click.Path(path_type=Path), metavar="FILE.csv",
+        click.option("--out", type=File(), metavar="FILE.csv",
                      help="Write the table there instead of on standard output (-)."),
     ):  # fmt: skip
         command = decorate(command)
@@ -106,13 +106,15 @@ def check_outputs(out: Path | None, plot: Path | None) -> tuple[Path | None, Pat
 
 
 def check_ending(option: str, path: Path | None, endings: Sequence[str]) -> None:
-    """Refuse a file whose ending names a format that cannot be written; without an ending the first format is taken.
+    """Refuse a file whose ending names no format that can be written, or that has none; devices have none.
 
     Raises:
         InputError: the option, and the endings that can be.
     """
-    if path is not None and path.suffix and path.suffix.lower() not in endings:
-        raise InputError(f"{option}: {path.name} has the ending {path.suffix}; give one of {', '.join(endings)}")
+    if path is None or path.suffix.lower() in endings or str(path) == "-" or (not path.suffix and _is_device(path)):
+        return
+    found = f"the ending {path.suffix}" if path.suffix else "no ending that names its format"
+    raise InputError(f"{option}: {path.name} has {found}; give one of {', '.join(endings)}")
 
 
 def check_distinct(paths: Mapping[str, Path | None]) -> None:

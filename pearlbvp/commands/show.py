@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from pearlbvp.commands.arguments import File
 from pearlbvp.commands.command import Command, Option, options_given
 from pearlbvp.commands.output import (
     DONE,
@@ -37,7 +38,7 @@ SURFACES = (".csv", ".obj", ".ply", ".vtu")
     epilog="Examples:  pearlbvp show b.h5  |  pearlbvp show b.h5 --plot b.png  |  "
     "pearlbvp show b.h5 --point bp --profile p.csv  |  pearlbvp show k.h5 --point v=0.95 --surface k.vtu",
 )
-@click.argument("file", type=click.Path(path_type=Path), metavar="FILE.h5")
+@click.argument("file", type=File(), metavar="FILE.h5")
 @click.option(
     "--point",
     cls=Option,
@@ -45,10 +46,10 @@ SURFACES = (".csv", ".obj", ".ply", ".vtu")
     metavar="K|NAME=VALUE|KIND:K",
     help="Of which point: its number, a column's value, or a special point (bp, fold:v:2).  [default: the last]",
 )
-@click.option("--profile", type=click.Path(path_type=Path), metavar="FILE.csv", help="Write the point's profile there.")
+@click.option("--profile", type=File(), metavar="FILE.csv", help="Write the point's profile there.")
 @click.option(
     "--surface",
-    type=click.Path(path_type=Path),
+    type=File(),
     metavar="FILE.csv|.obj|.ply|.vtu",
     help="Write the point's surface there: as a grid of points, or as triangles.",
 )
@@ -182,7 +183,7 @@ def _flow(file: Path, out: Path | None, plot: Path | None, units: Units) -> int:
     """Show a saved flow."""
     from pearlbvp.studies.flow import load
 
-    state = load(file)
+    state = load(file, "FILE")
     units = units.of_flow(state.problem.law)
     table = units.columns(state.record.table())
 

@@ -112,15 +112,15 @@ def start(problem: FlowProblem, q: Array) -> FlowState:
     q = np.asarray(q, dtype=float)
     if not np.isfinite(q).all() or not np.isfinite(problem.constraints(q)).all():
         raise InputError(
-            "shape: it is not finite, or has a radius of 0 or below; start from another, or perturb it less"
+            "q: the shape is not finite, or has a radius of 0 or below; start from another, or perturb it less"
         )
     trouble = problem.trouble(q)
     if trouble is not None:
-        raise InputError(Sentence.joined("shape: ", trouble.place, "; start from a smoother shape"))
+        raise InputError(Sentence.joined("q: ", trouble.place, "; start from a smoother shape"))
     rate, multipliers, parallel = first_rates(problem, q)
     if parallel and np.abs(problem.velocity(q, rate)).max() < 1e-9:
         raise InputError(
-            "shape: it is the straight tube, where area and volume have parallel gradients and nothing moves; perturb it"
+            "q: the shape is the straight tube, where area and volume have parallel gradients and nothing moves; perturb it"
         )
     found = problem.observables(q, multipliers)
     record = Record((found["area"], found["volume"]))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import meshio
@@ -22,7 +23,9 @@ from pearlbvp.mesh.formats.soup import Soup, Unreadable
 from pearlbvp.mesh.formats.vtk import read_vtk
 from pearlbvp.mesh.formats.xml import read_xml
 from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.mesh.rounding import without_rounding
 from pearlbvp.mesh.tube import tube_of
+from pearlbvp.rounding import steps
 from pearlbvp.units import Sentence
 
 FORMATS = {".vtu": "vtu", ".ply": "ply", ".obj": "obj"}
@@ -83,7 +86,7 @@ def write_mesh(
     Raises:
         InputError: another ending, or a place that cannot be written to.
     """
-    path = writable(name, path)
+    path = writable(name, path, locked=True)
     kind = _format(name, path)
     mesh = mesh.reduced()
     pairs, corners = np.unique(
@@ -110,26 +113,60 @@ def read_mesh(path: str | os.PathLike[str], length: float) -> PeriodicMesh:
     return read_tube(path, length)[0]
 
 
-def read_tube(path: str | os.PathLike[str], length: float) -> tuple[PeriodicMesh, str]:
-    """As ``read_mesh``, and what was repaired in words, empty where nothing was."""
-    path, length = named("mesh", path), positive("length", length)
+def read_tube(path: str | os.PathLike[str], length: float, name: str = "path") -> tuple[PeriodicMesh, str]:
+    """As ``read_mesh``, and what was repaired in words, empty where nothing was; ``name`` is what messages call ``path``."""
+    _, mesh, said = _read(Path(path), positive("length", length), name)
+    return mesh, _said(Path(path), said)
+
+
+def read_smooth_tube(path: str | os.PathLike[str], length: float, name: str = "path") -> tuple[PeriodicMesh, str]:
+    """As ``read_tube``, vertices being moved within the rounding of the file's coordinates where that spoils curvatures.
+
+    See ``mesh.rounding``. Files of enough digits are read as they are.
+    """
+    soup, mesh, said = _read(Path(path), positive("length", length), name)
+    step = float(np.sqrt((steps(soup.points[np.unique(soup.corners)]) ** 2).mean()))
+    smooth, moved = without_rounding(mesh, step)
+    if moved:
+        words = f"coordinates are rounded to {step:.1g}, too few digits for curvatures: smoothed, which moves vertices by up to"
+        said = (*said, f"{words} {moved:.2g}")
+    return smooth, _said(Path(path), said)
+
+
+def _said(path: Path, said: Sequence[str]) -> str:
+    return f"{path.name}: {', '.join(said)}" if said else ""
+
+
+def _read(path: Path, length: float, name: str) -> tuple[Soup, PeriodicMesh, tuple[str, ...]]:
+    """What the file has, the tube, and what was repaired."""
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise InputError(f"mesh: {path.name} has none of the endings {', '.join(READERS)}; choose one of these formats")
-    data = read_whole("mesh", path, MOST_BYTES)
+        raise InputError(
+            f"{name}: {path.name} has none of the endings {', '.join(READERS)}; choose one of these formats"
+        )
+    data = read_whole(name, path, MOST_BYTES)
     try:
         with np.errstate(invalid="ignore"):  # bytes that are no numbers are named as such later on
             soup = reader(data)
     except Unreadable as error:
         raise InputError(
-            f"mesh: {path} cannot be read as {path.suffix[1:].upper()} ({error}); export it again"
+            f"{name}: {path} cannot be read as {path.suffix[1:].upper()} ({error}); export it again"
         ) from None
     except (ValueError, LookupError, OverflowError):  # of words that are no numbers, or numbers beyond all use
         raise InputError(
-            f"mesh: {path} cannot be read as {path.suffix[1:].upper()} (it is broken or cut off); export it again"
+            f"{name}: {path} cannot be read as {path.suffix[1:].upper()} (it is broken or cut off); export it again"
         ) from None
-    mesh, said = tube_of(soup, length)
-    return mesh, f"{path.name}: {', '.join(said)}" if said else ""
+    try:
+        mesh, said = tube_of(soup, length)
+    except InputError as error:
+        raise InputError(_of_file(str(error), f"{name}: {path}")) from None
+    return soup, mesh, said
+
+
+def _of_file(message: str, file: str) -> str:
+    """A message about what a file holds, as one about the file; the period is an argument of its own."""
+    subject, _, rest = message.partition(": ")
+    return message if subject == "length" else f"{file}: {rest}"
 
 
 def check_radius(mesh: PeriodicMesh) -> None:
@@ -158,4 +195,7 @@ def joined(points: Array, triangles: Integers, length: float, first: int = 0) ->
         soup = Soup.of(points, np.asarray(triangles).tolist(), first)
     except Unreadable as error:
         raise InputError(f"triangles: {error}; give triangles of vertices") from None
-    return tube_of(soup, length)[0]
+    try:
+        return tube_of(soup, length)[0]
+    except InputError as error:
+        raise InputError(re.sub("^(vertices|mesh): ", "points: ", str(error))) from None

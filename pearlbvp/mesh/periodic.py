@@ -293,7 +293,9 @@ def _check_topology(mesh: PeriodicMesh) -> None:
     if (gap := _first(order < 0)) is not None:
         i = int(np.searchsorted(start, gap, side="right")) - 1
         corner = int(np.argmax(mesh.tail == i))
-        raise MeshError.at("triangles: those about vertex {0} are no single fan; split the vertex", triangles, corner)
+        raise MeshError.at(
+            "triangles: the triangles about vertex {0} are no single fan; split the vertex", triangles, corner
+        )
     reached, periods = _reached(start, order, mesh.head, mesh.shift)
     if (away := _first(~reached[mesh.tail])) is not None:
         raise MeshError.at(
@@ -314,9 +316,7 @@ def _check_topology(mesh: PeriodicMesh) -> None:
             f"length: the surface closes only after {closing} periods of {mesh.length:g}; give {closing * mesh.length:g}"
         )
     if (euler := mesh.count - len(mesh.edges) + len(triangles)) != 0:
-        raise InputError(
-            f"triangles: their Euler characteristic is {euler}, that of a periodic tube is 0; mesh one tube"
-        )
+        raise InputError(f"triangles: the Euler characteristic is {euler}, that of a periodic tube is 0; mesh one tube")
 
 
 def _check_shape(mesh: PeriodicMesh) -> None:

@@ -22,6 +22,9 @@ SAME = 1e-5
 LARGEST = 1e30
 """Coordinates whose products are still numbers."""
 
+ASTRAY = 1e4
+"""Distance of a vertex from the middle of all, in half of them, beyond which it is no part of a tube: no mesh is so uneven."""
+
 
 @dataclass(frozen=True)
 class Surface:
@@ -79,8 +82,7 @@ def repaired(soup: Soup) -> Surface:
             f"vertices: vertex {wrong[0] + soup.first} (of the file, from {soup.first} on) at {soup.points[wrong[0]]} is not "
             "finite; give ordinary numbers"
         )
-    if float(np.abs(soup.points[used]).max()) > LARGEST:
-        raise InputError(f"vertices: they reach {np.abs(soup.points[used]).max():.3g}; give a tube of ordinary size")
+    _check_sizes(soup, used)
     owner = np.repeat(np.arange(len(soup.sizes)), soup.sizes)
     vertex = _welded(soup, used)
     corners, sizes = _without_repeats(vertex, soup.corners, owner, len(soup.sizes))
@@ -100,6 +102,25 @@ def repaired(soup: Soup) -> Surface:
         f"left out {counted(idle, 'vertex', 'vertices')} of no face" if idle else "",
     )
     return _without_area(_without_doubles(surface), len(soup.sizes) - len(kept))
+
+
+def _check_sizes(soup: Soup, used: Integers) -> None:
+    """Refuse vertices that are far from all others, and coordinates beyond all use.
+
+    Raises:
+        InputError: the farthest of them, by the file's number.
+    """
+    away = np.abs(soup.points[used] - np.median(soup.points[used], axis=0)).max(axis=1)
+    far = int(away.argmax())
+    named = f"vertex {used[far] + soup.first} (of the file, from {soup.first} on) at {soup.points[used[far]]}"
+    usual = float(np.median(away))
+    if usual > 0 and away[far] > ASTRAY * usual:
+        raise InputError(
+            f"vertices: {named} is {away[far]:.3g} away from the middle of all, half of which are within {usual:.3g}; "
+            "correct it, or leave its faces out"
+        )
+    if float(np.abs(soup.points[used]).max()) > LARGEST:
+        raise InputError(f"vertices: {named} is farther out than can be computed with; give a tube of ordinary size")
 
 
 def joined_points(points: Array, near: float) -> Integers:

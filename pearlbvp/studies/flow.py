@@ -23,20 +23,29 @@ def _problem(tree: Mapping[str, Any]) -> FlowProblem:
     return found
 
 
-def save(state: FlowState, path: str | os.PathLike[str]) -> None:
+def save(state: FlowState, path: str | os.PathLike[str], name: str = "path") -> None:
     """Save a flow's state and record as HDF5, whole or not at all.
+
+    Args:
+        state: of a flow.
+        path: where to.
+        name: the argument's name, for the message.
 
     Raises:
         InputError: the place cannot be written to.
     """
-    save_tree("save", path, KIND, state_tree(state))
+    save_tree(name, path, KIND, state_tree(state))
 
 
-def load(path: str | os.PathLike[str]) -> FlowState:
+def load(path: str | os.PathLike[str], name: str = "path") -> FlowState:
     """Load what ``save`` saved. Nothing in the file is executed.
+
+    Args:
+        path: of the file.
+        name: the argument's name, for the message.
 
     Raises:
         InputError: the file is no saved flow, or is not whole.
     """
     writer = "pearlbvp flow --save"
-    return load_tree("resume", path, KIND, lambda tree: state_of_tree(tree, _problem), writer=writer)
+    return load_tree(name, path, KIND, lambda tree: state_of_tree(tree, _problem), writer=writer)

@@ -12,7 +12,7 @@ from pearlbvp.studies import families
 from pearlbvp.studies.branch import known_branch
 
 
-def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "save") -> None:
+def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "path") -> None:
     """Save a branch as HDF5, whole or not at all.
 
     Args:
@@ -26,7 +26,7 @@ def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "save") 
     save_tree(name, path, KIND, branch_tree(known_branch(branch)))
 
 
-def load(path: str | os.PathLike[str], name: str = "resume") -> Branch[Any]:
+def load(path: str | os.PathLike[str], name: str = "path") -> Branch[Any]:
     """Load a branch that ``save`` saved. Nothing in the file is executed.
 
     Args:

@@ -38,11 +38,12 @@ def read_obj(data: bytes) -> Soup:
             if words[0] == "v":
                 points.append(_point(numbers(words[1:])))
             elif words[0] in ("f", "fo"):
-                faces.append(_face(words[1:], len(points)))
+                faces.append(_face(words[1:], len(points), number))
             elif words[0] not in IDLE:
-                raise ValueError
+                raise Unreadable(f"line {number} begins with {words[0][:20]!r}, which is none of its statements")
         except (ValueError, OverflowError):
-            raise Unreadable(f"line {number} begins with {words[0][:20]!r} and is none of its statements") from None
+            what = "a vertex of three coordinates" if words[0] == "v" else "a face of three or more whole numbers"
+            raise Unreadable(f"line {number} begins with {words[0]!r} and is not {what}") from None
     if going_on:
         raise Unreadable(f"line {number} goes on after the end")
     return Soup.of(np.array(points), faces, first=1)
@@ -55,9 +56,13 @@ def _point(values: list[float]) -> list[float]:
     return values[:3]
 
 
-def _face(words: list[str], count: int) -> list[int]:
+def _face(words: list[str], count: int, line: int) -> list[int]:
     """Corners counted from 0, of words like ``7/1/2`` or, counted from the last vertex, ``-1//2``."""
     found = integers(word.split("/", 1)[0] for word in words)
-    if len(found) < 3 or 0 in found or min(found) < -count:
+    if len(found) < 3:
         raise ValueError
+    if 0 in found:
+        raise Unreadable(f"line {line} has a face with the corner 0; OBJ counts its vertices from 1")
+    if min(found) < -count:
+        raise Unreadable(f"line {line} has a face with the corner {min(found)}, and {count} vertices are before it")
     return [corner - 1 if corner > 0 else count + corner for corner in found]
