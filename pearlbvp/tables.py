@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import os
 from collections.abc import Sequence
 
@@ -29,7 +30,8 @@ def read_table(
     The first line that is no comment is the header; the one before it, if that is a comment with the wanted names. Separators
     are commas, semicolons, tabs or spaces; decimal commas are read where the separator is another, or in quotation marks.
     Spaces around names, a byte-order mark, and Excel's first line that names the separator are no part of them; capital and
-    small letters are one where no name is the very one. Empty entries are NaN, empty rows are none.
+    small letters are one where no name is the very one. Empty entries are NaN, empty rows are
+    none; what is written must be finite.
 
     Args:
         name: the argument's name, for the message.
@@ -176,8 +178,14 @@ def _is_number(word: str) -> bool:
 
 def _number(name: str, path: str | os.PathLike[str], word: str, column: str, row: int) -> float:
     try:
-        return float(word) if word.strip() else float("nan")
+        number = float(word) if word.strip() else math.nan
     except ValueError:
         raise InputError(
             f"{name}: {path} holds {word[:40]!r}, which is no number, in column {column} of row {row}; leave such columns out"
         ) from None
+    if word.strip() and not math.isfinite(number):
+        raise InputError(
+            f"{name}: {path} holds {word.strip()[:40]!r} in column {column} of row {row}, which is not finite; give a number, "
+            "or leave it empty"
+        )
+    return number

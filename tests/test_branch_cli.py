@@ -127,7 +127,7 @@ def test_a_branch_that_moves_away_from_its_goal_says_so(capsys, tmp_path, option
     assert err.rstrip().endswith(advice)
     if "--down" in advice:
         other = [o for o in options if o != "--down"] if "leave" in advice else [*options, "--down"]
-        status, out, _ = run(capsys, "branch", "pearl", *other)
+        status, out, _ = run(capsys, *other)
         assert status == 0
         assert out.rstrip().splitlines()[-1].split(",")[1] == "stop"
 

@@ -214,7 +214,7 @@ def test_a_disk_that_fills_loses_only_what_does_not_fit(tmp_path):
 def test_the_table_of_a_run_whose_checkpoints_fail_is_written(tmp_path, capsys, monkeypatch):
     """Whenever they are written: here at every point of a branch and at every step of a flow."""
     from pearlbvp import hdf5
-    from pearlbvp.commands import branch
+    from pearlbvp.commands import following
     from pearlbvp.flow import driver
 
     def full(name, path, write):
@@ -223,7 +223,7 @@ def test_the_table_of_a_run_whose_checkpoints_fail_is_written(tmp_path, capsys, 
 
     tried = []
     monkeypatch.setattr(hdf5, "write_whole", full)
-    monkeypatch.setattr(branch._Checkpoint.__init__, "__defaults__", (-1.0,))
+    monkeypatch.setattr(following._Checkpoint.__init__, "__defaults__", (-1.0,))
     save = ["--save", tmp_path / "b.h5"]
     status, out, err = run(capsys, "branch", "pearl", "--c0", 0, "--length", 10, "--until", "v=1.01", *save)
     assert (status, err.count("\n")) == (2, 1)

@@ -82,7 +82,8 @@ def diagram(
     """Several branches in one table and one picture: saved ones, or all that leave the straight tube, to a depth.
 
     Columns: branch (the file's name; 3 for three pearls, coil 1:1, 3/1 for what leaves 3 at its first branch point), then
-    those of `branch`. Unstable parts are dashed; circles are branch points, crosses folds.
+    those of `branch`. Unstable parts are dashed; circles are branch points, crosses folds. Where branches are of tubes of
+    different c0 or L, that is said, beside their names in the picture too.
     """
     out, plot = check_outputs(out, plot)
     for file in files:
@@ -90,7 +91,7 @@ def diagram(
     if not files and (c0 is None or length is None):
         raise InputError("FILE, --c0, --length: give saved branches, or c0 and length of a tube")
     _check_columns(x, y)
-    from pearlbvp.studies.diagram import together
+    from pearlbvp.studies.diagram import together, tubes_apart
 
     if files:
         branches = _saved(files)
@@ -104,6 +105,8 @@ def diagram(
         return draw_plane(table, x, y, units=units)
 
     status = write(table, out, plot, draw)
+    if apart := tubes_apart(table):
+        say("the branches are of different tubes: " + "; ".join(f"{name}: {tube}" for name, tube in apart.items()))
     return status if files or not any(branch.failed for branch in branches.values()) else SOME_FAILED
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from scipy.interpolate import PchipInterpolator
 
 from pearlbvp.continuation.branch import Branch
@@ -118,14 +119,18 @@ STRETCHED = 4.0
 
 def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> None:
     """Cross-sections of some rings along a branch, side by side."""
+    reach = 0.0
     width = 2.8 * units.to_user("r_max", max(entry.observables["r_max"] for entry in along(branch, count)))
     for place, entry in enumerate(along(branch, count)):
         section = entry.problem.shapes.section(entry.u, 0.0)
         y, z = (units.to_user(name, values) for name, values in zip("yz", section, strict=True))
         axes.plot(y + place * width, z, color=_curve_colour(entry), linewidth=1.2)
+        reach = max(reach, float(np.abs(z).max()))
         label = f"v = {entry.observables['v']:.4f}"
         axes.text(place * width, -0.65 * width, label, ha="center", va="center", fontsize=8)
-    axes.set_yticks([])
+    axes.set_yticks(
+        [tick for tick in MaxNLocator(4).tick_values(-reach, reach) if abs(tick) <= reach]
+    )  # not beside words
     _to_scale(axes, -0.8 * width)
 
 
@@ -161,7 +166,7 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "", units
     elif problem.drawn == "section":
         draw_sections(axes[1, 1], branch, units=units)
         beside = units.axis_label("y", "shapes beside one another, y")
-        dress(axes[1, 1], beside, "", "sections: stable blue, unstable brown")
+        dress(axes[1, 1], beside, units.axis_label("z", "z"), "sections: stable blue, unstable brown")
     else:
         scale = "" if draw_shapes(axes[1, 1], branch, units=units) else ", not to scale"
         dress(axes[1, 1], units.axis_label("x"), "", f"shapes: stable blue, unstable brown{scale}")

@@ -34,6 +34,9 @@ OWN: dict[Any, Any] = {"svg.hashsalt": "pearlbvp"}
 CANVASES = {"pdf": ("pdf", "Pdf"), "svg": ("svg", "SVG"), "eps": ("ps", "PS"), "ps": ("ps", "PS")}
 """Backend and canvas of formats that are no images; all others are drawn by Agg."""
 
+RIGHT, NOTE = 0.3, 0.1
+"""Margin at the right of the axes, and between what is noted there and the edge, in inches."""
+
 WIDEST_NUMBER = 0.6
 """Room for a number on the horizontal axis, in inches."""
 
@@ -62,7 +65,7 @@ def new_figure(
     figure = new_blank(width, height)
     axes = figure.subplots(rows, columns, **options)
     figure.subplots_adjust(
-        left=1.0 / width, right=1 - 0.15 / width, bottom=0.55 / height, top=1 - 0.35 / height, wspace=0.3, hspace=0.25
+        left=1.0 / width, right=1 - RIGHT / width, bottom=0.55 / height, top=1 - 0.35 / height, wspace=0.3, hspace=0.25
     )
     return figure, axes
 
@@ -97,7 +100,9 @@ def add_legend(axes: Axes, **options: Any) -> None:
 def note_unit(figure: Figure, units: Units) -> None:
     """What the unit of length on the axes is, along the right edge, where that is not the tube's radius."""
     if units.note():
-        figure.text(0.998, 0.92, units.note(), fontsize=7, rotation="vertical", ha="right", va="top")
+        figure.text(
+            1 - NOTE / figure.get_figwidth(), 0.92, units.note(), fontsize=7, rotation="vertical", ha="right", va="top"
+        )
 
 
 @own_style()

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from pearlbvp.figures.branch import draw_curve
 from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
+from pearlbvp.studies.diagram import tubes_apart
 from pearlbvp.units import RADII, Units
 
 
@@ -53,12 +54,15 @@ def draw_plane(table: pd.DataFrame, x: str, y: str, title: str = "", units: Unit
         units: of the table.
     """
     names = list(dict.fromkeys(table["branch"]))
-    beside = len(names) > FEW
+    names, beside = [str(name) for name in names], len(names) > FEW
     figure, axes = new_figure(1, 1, width=9.5 if beside else 7.0, height=4.8)
     several = colormaps["turbo"].resampled(len(names) + 2)
+    tubes = tubes_apart(table)
     for i, name in enumerate(names):
         colour = COLOURS[i] if len(names) <= len(COLOURS) else to_hex(several(i + 1))
-        draw_curve(axes, table[table["branch"] == name], x, y, colour, str(name))
+        draw_curve(
+            axes, table[table["branch"] == name], x, y, colour, f"{name} ({tubes[name]})" if tubes else str(name)
+        )
     dress(
         axes,
         units.axis_label(x, x),

@@ -186,6 +186,8 @@ def family_branch(
         >>> pearls.complete, pearls.find("bp")[0].block.n
         (True, 0)
     """
+    if not isinstance(tube, Tube):
+        raise InputError(f"tube: {type(tube).__name__} must be a tube; give one like Tube(0.48, 15)")
     options = known_options(options)
     choice("fixed", fixed, get_args(Fixed))
     mode = families.family(family).mode if mode is None else mode_numbers("mode", mode)

@@ -68,6 +68,34 @@ def together(branches: Mapping[str, Branch[Any]]) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True)[["branch", *COLUMNS]]
 
 
+def tubes_apart(table: pd.DataFrame) -> dict[str, str]:
+    """What tubes the branches of a table are of, by name, in the table's unit; nothing where all are of one.
+
+    Args:
+        table: with the columns ``branch``, ``c0`` and ``L``.
+    """
+    apart = [name for name in ("c0", "L") if _spread(table[name]) > ONE_TUBE]
+    groups = table.groupby("branch", sort=False)
+    if not apart or groups.ngroups == 1:
+        return {}
+    return {
+        str(branch): ", ".join(
+            f"{name} varies" if _spread(rows[name]) > ONE_TUBE else f"{name} = {rows[name].iloc[0]:.6g}"
+            for name in apart
+        )
+        for branch, rows in groups
+    }
+
+
+ONE_TUBE = 1e-9
+"""Relative difference of ``c0`` or ``L`` that is rounding."""
+
+
+def _spread(values: pd.Series[float]) -> float:
+    """Range of a column, by its size."""
+    return float((values.max() - values.min()) / max(values.abs().max(), 1e-300))
+
+
 def diagram(
     c0: float,
     length: float,

@@ -237,10 +237,10 @@ def switched(
     Raises:
         InputError: there is no such branch point, it was not located, or its new shapes cannot be followed.
     """
-    special, options = numbered(branch, number), known_options(options)
-    if centre is not None and not branch.points[-1].problem.centred:
+    if centre is not None and not known_branch(branch).points[-1].problem.centred:
         raise InputError("centre: shapes that branch off here leave no choice of it; leave it out")
-    middle = choice("centre", centre or "pearl", get_args(Centre))
+    middle = choice("centre", "pearl" if centre is None else centre, get_args(Centre))
+    special, options = numbered(branch, number), known_options(options)
     if special.change == 0 and not branch.points[-1].problem.rejoins:
         raise InputError(
             f"switch: at branch point {number} the branch meets a more symmetric one; follow that from its start"

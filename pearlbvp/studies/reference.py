@@ -29,9 +29,16 @@ def read_reference(
         optional: those that are taken, too, where they are there.
 
     Raises:
-        InputError: it cannot be read, a line is not of as many numbers as the header has names, or a column is missing.
+        InputError: it cannot be read, a line is not of as many numbers as the header has names, or a column is missing, or has
+            no number where one is needed.
     """
-    return pd.DataFrame(read_table("compare", path, columns, optional=optional))
+    table = pd.DataFrame(read_table("compare", path, columns, optional=optional))
+    for name in columns or [key for key in KEYS if key in table]:
+        if table[name].isna().any():
+            raise InputError(
+                f"compare: {path} has an empty entry in column {name}; give a number there, or leave out its row"
+            )
+    return table
 
 
 def beside(table: pd.DataFrame, reference: pd.DataFrame) -> pd.DataFrame:
