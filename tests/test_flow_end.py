@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from sums import Basis
 
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
@@ -20,7 +21,7 @@ from pearlbvp.studies.ring import ring_branch, ring_switched
 from pearlbvp.studies.saved import family_of, load, resumed, save
 from pearlbvp.studies.tube import tube_branch, tube_switched
 from pearlbvp.tube.isotropy import StandardPosition, standard_position
-from pearlbvp.tube.modes import Basis, Mode
+from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.symmetry import TubeSymmetry, buckle_symmetry, coil_symmetry, pearl_symmetry, ring_symmetry
 from pearlbvp.tube.torus import TorusFunction
 
