@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from sums import Basis
 
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
@@ -20,7 +21,7 @@ from pearlbvp.studies.flow_start import mesh_start, pearl_start, pearl_tube_star
 from pearlbvp.studies.onward import resumed, switched
 from pearlbvp.studies.saved import family_of, load, save
 from pearlbvp.tube.isotropy import StandardPosition, standard_position
-from pearlbvp.tube.modes import Basis, Mode
+from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.symmetry import TubeSymmetry, buckle_symmetry, coil_symmetry, pearl_symmetry, ring_symmetry
 from pearlbvp.tube.torus import TorusFunction
 

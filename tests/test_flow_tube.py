@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from sums import second_variation
+from sums import Basis, grid, second_variation
 
 from pearlbvp.errors import InputError
 from pearlbvp.flow.axisymmetric import GraphFlow
@@ -15,14 +15,15 @@ from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow import load, save
 from pearlbvp.studies.flow_start import pearl_tube_start, tube_start
 from pearlbvp.theory.dispersion import growth_rate
-from pearlbvp.tube.modes import Basis, Mode
+from pearlbvp.tube.modes import Mode
+from pearlbvp.tube.torus import TorusFunction
 
 MULTIPLIERS = np.array([0.4, 0.3])
 COARSE = FlowOptions(resolution=1e-3, max_seconds=60)
 
 
 def modes_of(size):
-    """The modes in the order of the coefficients."""
+    """All modes up to some wave numbers, in an order of their own."""
     around = range(2, size[1] + 1)
     sections = [("sigma", b, "cos") for b in (0, *around)] + [("sigma", b, "sin") for b in around]
     sections += [("y", 0, "cos"), ("z", 0, "cos")]
@@ -64,11 +65,10 @@ def check(result):
 
 def test_fields_and_matrices_are_those_of_the_modes_one_by_one():
     problem, q, values = random_tube((3, 4))
-    np.testing.assert_array_equal(q, values)
-    grid = problem.tensor
-    basis = Basis.of(modes_of((3, 4)), 2 * np.pi / 9, 0.0, grid.x, grid.phi)
-    fields = basis.state(values)
-    np.testing.assert_allclose(problem._fields(q), fields, atol=1e-13)
+    assert problem.known(q) == dict(zip(modes_of((3, 4)), values, strict=True))
+    basis = Basis.of(problem.modes, 2 * np.pi / 9, 0.0, *grid(problem.cell.points, 9.0))
+    fields = basis.state(q)
+    np.testing.assert_allclose(problem.waves.state(problem.cell, q), fields, atol=1e-13)
     second, mass, constraints = second_variation(basis, fields, 0.3, *MULTIPLIERS)
     np.testing.assert_allclose(problem.jacobian(q, 0 * q, MULTIPLIERS, 0.0), second, atol=1e-11)
     np.testing.assert_allclose(problem.jacobian(q, 0 * q, MULTIPLIERS, 2.0), second + 2 * mass, atol=1e-11)
@@ -113,7 +113,7 @@ def test_rigid_motions_change_nothing():
     q = q + problem.coordinates(few, np.array([0.1, 0.05, 0.03, 0.2, -0.15]), 2 * np.pi / 9)
     motions = problem.kernels(q, np.zeros(2))
     motions /= np.linalg.norm(motions, axis=1)[:, None]
-    _, gradients = problem._variations(problem._fields(q))
+    gradients = np.array([problem.residual(q, 0 * q, np.array(m)) for m in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))])
     assert np.abs(gradients).max() > 1e-2
     assert np.abs(gradients @ motions.T).max() < 1e-9
 
@@ -198,18 +198,18 @@ def test_radii_are_those_of_the_function_and_not_of_a_grid():
     """Against collocation's extremes, on a grid whose points miss the neck."""
     point = family_branch(Tube(0, 10), "pearl", (1, 0), branch_options({"v": 1.1})).points[-1]
     start = pearl_tube_start(point.problem, point.u, size=(17, 3))
-    matrix, phase = start.q.reshape(start.problem.tensor.shape).copy(), 0.7 * np.arange(1, 18)  # shifted along
-    cosine, sine = matrix[1:18].copy(), matrix[18:].copy()
-    matrix[1:18] = np.cos(phase)[:, None] * cosine - np.sin(phase)[:, None] * sine
-    matrix[18:] = np.sin(phase)[:, None] * cosine + np.cos(phase)[:, None] * sine
-    found = start.problem.observables(matrix.ravel(), start.multipliers)
+    problem = start.problem
+    q = problem.packed(TorusFunction.of(problem.known(start.q)).moved(0.7, 0.0).modes())
+    found = problem.observables(q, start.multipliers)
     for name in ("r_min", "r_max", "amplitude"):
         assert found[name] == pytest.approx(point.observables[name], abs=1e-9)
-    assert start.problem._fields(matrix.ravel())[3].min() > found["r_min"] + 1e-5
+    assert problem.waves.state(problem.cell, q, range(3, 4)).min() > found["r_min"] + 1e-5
 
 
 def test_waves_are_added_saved_and_drawn(tmp_path):
     start = settled(tubes(0.0, "coil", "v", 0.9), (5, 5))
+    smallest = TubeFlow(0.0, 10.0, (1, 2))
+    assert smallest.resolution(smallest.packed({Mode("sigma", 0): 1.0, Mode("y", 1): 0.1})) == 0.1
     finer, q = start.problem.refined(start.q)
     assert finer.size[0] > 5
     for name, value in start.problem.observables(start.q, MULTIPLIERS).items():

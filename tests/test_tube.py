@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from graphs import Graphs, all_waves
 from scipy.linalg import eigh, null_space
-from sums import second_variation
+from sums import Basis, grid, second_variation
 from test_amplitude import graphs_of
 
 from pearlbvp.continuation.path import correct
@@ -18,12 +18,12 @@ from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.onward import switched
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.theory.dispersion import growth_rate
-from pearlbvp.tube.density import gradients, hessians
-from pearlbvp.tube.modes import Basis, Mode, grid
+from pearlbvp.tube.density import areas, gradients, hessians
+from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.onset import onset
 from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.tube.symmetry import TubeSymmetry, buckle_symmetry, coil_symmetry, product_modes, ring_symmetry
-from pearlbvp.tube.waves import IMAGINARY_JETS, Cell, ModeWaves, fields_of_jets, matrix_transform
+from pearlbvp.tube.waves import IMAGINARY_DRAGS, IMAGINARY_JETS, Cell, ModeWaves, fields_of_jets, matrix_transform
 
 MODES = {"ring": (0, 2), "coil": (1, 1), "buckle": (1, 1), "pearl": (1, 0)}
 
@@ -79,17 +79,21 @@ def test_the_densities_derivatives():
     """Central differences of the densities, and of their gradients."""
     rng = np.random.default_rng(0)
     z = rng.standard_normal((10, 4)) + np.array([0, 0, 0, 2, 0, 0, 0, 0, -2, 0])[:, None]
-    _, slopes = gradients(z, 0.3)
+    (_, slopes), (_, area_slopes) = gradients(z, 0.3), areas(z)
     second = hessians(z, 0.3, 0.7)
     h = 1e-6
     for j in range(10):
         ahead, behind = z.copy(), z.copy()
         ahead[j] += h
         behind[j] -= h
-        (values_ahead, slopes_ahead), (values_behind, slopes_behind) = gradients(ahead, 0.3), gradients(behind, 0.3)
-        np.testing.assert_allclose((values_ahead - values_behind) / (2 * h), slopes[:, j], atol=1e-8)
-        change = (slopes_ahead - slopes_behind) / (2 * h)
-        np.testing.assert_allclose((change[0] + 0.7 * change[1]).T, second[:, j], atol=1e-7)
+        change, by_area = (
+            [(after - before) / (2 * h) for after, before in zip(there, here, strict=True)]
+            for there, here in ((gradients(ahead, 0.3), gradients(behind, 0.3)), (areas(ahead), areas(behind)))
+        )
+        np.testing.assert_allclose(change[0], slopes[j], atol=1e-8)
+        np.testing.assert_allclose(by_area[0], area_slopes[j] if j < 4 else 0.0, atol=1e-8)
+        change[1][:4] += 0.7 * by_area[1]
+        np.testing.assert_allclose(change[1].T, second[:, j], atol=1e-7)
 
 
 @pytest.mark.parametrize("turns", [0, 2])
@@ -98,9 +102,7 @@ def test_forms_of_waves_are_sums_over_points(turns):
     length, cell = 7.0, Cell(1, 1, (22, 20))
     modes = tuple(product_modes([(p, b) for p in range(4) for b in range(4)], turns))
     (waves,) = ModeWaves.of(2 * math.pi / length, 2 * math.pi * turns / length, modes)
-    x, phi = (
-        t.ravel() for t in np.meshgrid(np.arange(22) * length / 22, np.arange(20) * 2 * math.pi / 20, indexing="ij")
-    )
+    x, phi = grid(cell.points, length)
     basis = Basis.of(modes, waves.waves.k, waves.waves.kappa, x, phi)
     rng = np.random.default_rng(3)
     coefficients, linear = rng.standard_normal(len(modes)), rng.standard_normal((10, len(x)))
@@ -110,13 +112,35 @@ def test_forms_of_waves_are_sums_over_points(turns):
     found = waves.linear(cell, cell.transform(linear))
     np.testing.assert_allclose(found, np.einsum("jk,kjn->n", linear, basis.fields) / len(x), atol=1e-12)
     jets = fields_of_jets(waves.waves.kappa)
-    forms = waves.waves.bending_forms(cell, matrix_transform(cell, jets.T @ weights @ jets, IMAGINARY_JETS))
+    forms = waves.waves.bending_forms(cell, matrix_transform(cell, weights, IMAGINARY_JETS, jets))
     expected = np.einsum("kin,kij,kjm->nm", basis.fields, weights, basis.fields, optimize=True) / len(x)
     np.testing.assert_allclose(waves.quadratic(forms), expected, atol=1e-10)
     moved = waves.waves.moving_forms(cell, matrix_transform(cell, weights[:, :2, :2], (1,)))
     displaced = basis.displacement()
     expected = np.einsum("kin,kij,kjm->nm", displaced, weights[:, :2, :2], displaced, optimize=True) / len(x)
     np.testing.assert_allclose(waves.quadratic(moved), expected, atol=1e-11)
+    np.testing.assert_allclose(waves.displacement(cell, coefficients), (displaced @ coefficients).T, atol=1e-12)
+    found = waves.pushed(cell, cell.transform(linear[:2]))
+    np.testing.assert_allclose(found, np.einsum("jk,kjn->n", linear[:2], displaced) / len(x), atol=1e-12)
+    drag = weights[:, :6, :6]
+    changed = np.concatenate((displaced, basis.fields[:, :4]), axis=1)
+    expected = np.einsum("kin,kij,kjm->nm", displaced, drag[:, :2], changed, optimize=True) / len(x)
+    dragged = waves.waves.dragging_forms(cell, matrix_transform(cell, drag, IMAGINARY_DRAGS))
+    np.testing.assert_allclose(waves.quadratic(dragged), expected, atol=1e-11)
+
+
+@pytest.mark.parametrize("points", [(6, 6), (5, 4), (4, 3), (1, 1)])
+def test_waves_too_short_for_a_grid_have_their_values_there(points):
+    """Sums and means are of the grid's points, whatever its transform takes the waves for."""
+    modes = tuple(product_modes([(p, b) for p in range(4) for b in range(4)], 0))
+    (waves,) = ModeWaves.of(1.0, 0.0, modes)
+    basis = Basis.of(modes, 1.0, 0.0, *grid(points, 2 * math.pi))
+    rng = np.random.default_rng(4)
+    coefficients, linear = rng.standard_normal(len(modes)), rng.standard_normal((10, points[0] * points[1]))
+    cell = Cell(1, 1, points)
+    np.testing.assert_allclose(waves.state(cell, coefficients), basis.state(coefficients), atol=1e-11)
+    found = waves.linear(cell, cell.transform(linear))
+    np.testing.assert_allclose(found, np.einsum("jk,kjn->n", linear, basis.fields) / linear.shape[1], atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -286,7 +310,7 @@ def test_the_spectrum_of_a_mixed_tube_is_that_of_all_modes_at_once(between):
     assert problem.symmetry.period == 2  # all of the tube, in modes of half its length
     most = 9
     modes = tuple(product_modes([(p, b) for p in range(most + 1) for b in range(most + 1)], problem.symmetry.turns))
-    x, phi = grid(48, 48, problem.length, 2 * math.pi, halved=False)
+    x, phi = grid((48, 48), problem.length)
     basis = Basis.of(modes, problem.k, problem.kappa, x, phi)
     known = problem.known(u)
     state = basis.state(np.array([known.get(mode, 0.0) for mode in modes]))

@@ -1,10 +1,8 @@
 """Flow of tubes without any symmetry, in reduced modes: ``P(x, phi) = d(x) + sigma(x, phi) e^{i phi}`` (design, §7).
 
-The unknowns are all products of a Fourier function along the tube and a function around it (waves of ``sigma`` without the
-first, and the two coordinates of the centre ``d``): a matrix ``Q`` of coefficients. Each of the ten fields of
-``tube.density`` is a derivative of one order along ``x`` of such a sum, so fields, gradients and Hessians are products of
-small matrices, one way after the other: a Hessian of ``N`` modes costs some ``N^2`` times the points in one direction, not in
-both (S. A. Orszag, J. Comput. Phys. 37 (1980) 70).
+The unknowns are the coefficients of all products of a Fourier function along the tube and one around it, up to given wave
+numbers. Gradients and Hessians of area, volume and energy are those of ``tube.spectrum``, in the frame at rest. What resists is
+a drag, half the mean square of the normal velocity: its gradient by the rates balances that of the energy.
 """
 
 from __future__ import annotations
@@ -12,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any, get_args
 
 import numpy as np
@@ -20,13 +19,14 @@ from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.flow.problem import Law, Trouble, check_law
 from pearlbvp.flow.spectrum import growth_rates
-from pearlbvp.flow.tensor import DISPLACEMENT, FIELDS, Tensor
 from pearlbvp.representation import brief
-from pearlbvp.tube.density import gradients, hessians
 from pearlbvp.tube.extremes import extremes
-from pearlbvp.tube.modes import Mode
+from pearlbvp.tube.modes import Mode, sections
+from pearlbvp.tube.rigid import rigid_motions
+from pearlbvp.tube.spectrum import Equilibrium
+from pearlbvp.tube.symmetry import product_modes
 from pearlbvp.tube.torus import TorusFunction
-from pearlbvp.tube.waves import Cell, ModeWaves
+from pearlbvp.tube.waves import IMAGINARY_DRAGS, Cell, MatrixTransform, ModeWaves, matrix_transform
 from pearlbvp.units import Sentence
 
 THINNEST, STEEPEST = 1e-2, 20.0
@@ -37,7 +37,7 @@ MOST_MODES = 2500
 
 @dataclass(frozen=True)
 class TubeFlow:
-    """Tubes in reduced modes; ``q`` holds ``Q`` row by row: functions of ``x``, then of ``phi`` (``Tensor``).
+    """Tubes in reduced modes; ``q`` holds the coefficients of ``modes``.
 
     Attributes:
         c0, length: the tube's.
@@ -70,20 +70,36 @@ class TubeFlow:
             )
 
     @cached_property
-    def tensor(self) -> Tensor:
-        """The functions on their grid."""
-        return Tensor.of(self.size, self.length)
+    def waves(self) -> ModeWaves:
+        """All modes up to the largest wave numbers, as waves."""
+        along, around = self.size
+        numbers = product(range(along + 1), range(around + 1))
+        (waves,) = ModeWaves.of(2 * np.pi / self.length, 0.0, tuple(product_modes(numbers, 0)))
+        return waves
 
-    @cached_property
+    @property
     def modes(self) -> tuple[Mode, ...]:
-        """The modes whose coefficients ``q`` holds, as ``tube.modes`` has them."""
-        return self.tensor.modes
+        """The modes whose coefficients ``q`` holds."""
+        return self.waves.modes
 
     @cached_property
-    def _cell(self) -> tuple[ModeWaves, Cell]:
-        """The modes as waves, and the period they live on, with points for its extremes."""
-        (waves,) = ModeWaves.of(self.tensor.k, 0.0, self.modes)
-        return waves, Cell(1, 1, (2 * self.size[0] + 2, 2 * self.size[1] + 2))
+    def _numbers(self) -> tuple[Array, Array]:
+        """Wave numbers of the modes along and around, those of the centre 0."""
+        return np.array([mode.p for mode in self.modes]), np.array([mode.b for mode in self.modes])
+
+    @property
+    def cell(self) -> Cell:
+        """A period, on points that integrate products of three modes, and some more."""
+        along, around = self.size
+        return Cell(1, 1, (4 * along + 8, 4 * around + 8))
+
+    @cached_property
+    def _points(self) -> tuple[Array, Array]:
+        """``x``, from ``-L/2`` on, and ``phi`` of the cell's points, shape (K,)."""
+        along, around = self.cell.points
+        x = np.fft.fftfreq(along) * self.length
+        xs, phis = np.meshgrid(x, np.arange(around) / around * 2 * np.pi, indexing="ij")
+        return xs.ravel(), phis.ravel()
 
     def packed(self, known: Mapping[Mode, float]) -> Array:
         """``q`` of known coefficients; the others are 0, and what does not fit into ``size`` is dropped."""
@@ -121,80 +137,60 @@ class TubeFlow:
         """``q`` of an axisymmetric shape given at evenly spaced places of a period that begin at ``x[0]``."""
         waves = np.fft.rfft(r) / len(r)
         waves *= np.exp(-2j * np.pi * np.arange(len(waves)) * x[0] / self.length)
-        matrix = np.zeros(self.tensor.shape)
-        column = self.tensor.column("sigma", 0, "cos")
-        matrix[0, column] = waves[0].real
-        for p in range(1, min(self.size[0], len(waves) - 1) + 1):
-            matrix[self.tensor.row(p, "cos"), column] = 2 * waves[p].real
-            matrix[self.tensor.row(p, "sin"), column] = -2 * waves[p].imag
-        return matrix.ravel()
+        known = {Mode("sigma", 0): float(waves[0].real)}
+        for p, wave in enumerate(waves[1:], 1):
+            known |= {Mode("sigma", p): 2 * wave.real, Mode("sigma", p, "sin"): -2 * wave.imag}
+        return self.packed(known)
 
-    def _matrix(self, q: Array) -> Array:
-        return q.reshape(self.tensor.shape)
+    def _tube(self, q: Array, multipliers: Array) -> Equilibrium:
+        """The tube as ``tube.spectrum`` takes it, for gradients and Hessians."""
+        fields = self.waves.state(self.cell, q)
+        return Equilibrium(self.cell, fields, 0.0, self.c0, float(multipliers[0]), self._lambda2(multipliers))
 
-    def _fields(self, q: Array) -> Array:
-        """The ten fields, shape (10, K)."""
-        return self.tensor.values(self._matrix(q), FIELDS)
+    def _shape(self, q: Array) -> Equilibrium:
+        """The same for areas, volumes and normal displacements alone, without what only the energy needs."""
+        return Equilibrium(self.cell, self.waves.state(self.cell, q, range(4)), 0.0, self.c0, 0.0, 0.0)
 
     def _lambda2(self, multipliers: Array) -> float:
         return float(multipliers[1]) if self.law == "area and volume" else self.pressure
 
-    def _variations(self, z: Array) -> tuple[Array, Array]:
-        """Energy, area and volume (3,), and their gradients (3, N), at given fields."""
-        values, slopes = gradients(z, self.c0)
-        by_volume = np.zeros_like(z)
-        by_volume[3] = z[3]  # the volume is the mean of sigma^2/2, and sigma is the field b_1
-        rows = [self.tensor.adjoint(slope, FIELDS).ravel() for slope in (slopes[0], slopes[1], by_volume)]
-        return np.append(values.mean(axis=1), (z[3] @ z[3]) / (2 * z.shape[1])), np.array(rows)
+    def _motion(self, tube: Equilibrium, rate: Array) -> tuple[Array, Array]:
+        """Displacements in the plane, shape (2, K), and the outward normal velocity, shape (K,)."""
+        moved = self.waves.displacement(self.cell, rate)
+        return moved, (tube.outward * moved).sum(axis=0) / tube.areas[0]
 
-    def _motion(self, z: Array, rate: Array) -> tuple[Array, Array, Array]:
-        """Displacements in the plane (2, K), outward normal velocity times ``sqrt(g)``, and ``g``, shape (K,)."""
-        moved = self.tensor.values(self._matrix(rate), DISPLACEMENT)
-        return moved, moved[0] * z[3] - moved[1] * z[2], _g(z)
+    def _force(self, tube: Equilibrium, speed: Array) -> Array:
+        """Mean of a normal velocity times each mode's normal displacement, shape (N,)."""
+        return self.waves.pushed(self.cell, self.cell.transform(tube.outward * speed))
 
     def residual(self, q: Array, rate: Array, multipliers: Array) -> Array:
         """``M q_t + grad F``: the mean of ``V_t`` times each mode's normal displacement, plus the gradient."""
-        z = self._fields(q)
-        if z[3].min() <= 0:  # a section that is not star-shaped about its centre
+        tube = self._tube(q, multipliers)
+        if _pinched(tube):
             return np.full_like(q, np.nan)
-        _, rows = self._variations(z)
-        _, normal, g = self._motion(z, rate)
-        weighted = normal / np.sqrt(g)
-        moving = self.tensor.adjoint(np.array((z[3] * weighted, -z[2] * weighted)), DISPLACEMENT).ravel()
-        return np.asarray(moving + rows[0] + multipliers[0] * rows[1] + self._lambda2(multipliers) * rows[2])
+        return self._force(tube, self._motion(tube, rate)[1]) + tube.force(self.waves)
 
-    def _second(self, z: Array, lambda1: float, lambda2: float) -> Array:
-        """Second variation of ``F``, shape (N, N)."""
-        second = hessians(z, self.c0, lambda1)
-        second[:, 3, 3] += lambda2
-        return self.tensor.sandwich(second, FIELDS, FIELDS)
-
-    def _mass(self, z: Array, factor: float = 1.0) -> Array:
-        """``factor`` times the metric, as coefficients between displacements, shape (K, 2, 2)."""
-        outward = np.array((z[3], -z[2]))
-        return np.asarray(factor * np.einsum("ik,jk->kij", outward, outward) / np.sqrt(_g(z))[:, None, None])
+    def _drag(self, tube: Equilibrium, rate: Array, factor: float) -> MatrixTransform:
+        """Second derivatives of the drag: by displacements, ``factor`` times, and by a displacement and a field."""
+        (element, slopes), (moved, speed) = tube.areas, self._motion(tube, rate)
+        of_speed = -speed * slopes  # its derivatives by the fields a_0, a_1, b_0, b_1, times the area element
+        of_speed[2:] += -moved[1], moved[0]
+        mixed = tube.outward[:, None] * of_speed / element
+        mixed[0, 3] += speed
+        mixed[1, 2] -= speed
+        weights = np.zeros((len(element), 6, 6))
+        weights[:, :2, :2] = (factor * tube.outward[:, None] * tube.outward / element).transpose(2, 0, 1)
+        weights[:, :2, 2:], weights[:, 2:, :2] = mixed.transpose(2, 0, 1), mixed.transpose(2, 1, 0)
+        return matrix_transform(self.cell, weights, IMAGINARY_DRAGS)
 
     def jacobian(self, q: Array, rate: Array, multipliers: Array, factor: float) -> Array:
         """Exact derivative of ``residual``."""
-        z = self._fields(q)
-        matrix = self._second(z, float(multipliers[0]), self._lambda2(multipliers))
-        if factor:
-            matrix += self.tensor.sandwich(self._mass(z, factor), DISPLACEMENT, DISPLACEMENT)
-        if not rate.any():
-            return matrix
-        (m0, m1), normal, g = self._motion(z, rate)
-        a0, a1, b0, b1 = z[:4]
-        c, root = a0 * b1 - a1 * b0, np.sqrt(g)
-        # W = normal/sqrt(g) by a_0, a_1, b_0, b_1; then b_1 W and -b_0 W by them.
-        by_g = -normal / (2 * g * root)
-        of_w = (2 * by_g * c * b1, -2 * by_g * c * b0,
-                by_g * (2 * b0 - 2 * c * a1) - m1 / root, by_g * (2 * b1 + 2 * c * a0) + m0 / root)  # fmt: skip
-        changed = np.zeros((len(g), 2, 4))
-        for i, slope in enumerate(of_w):
-            changed[:, 0, i], changed[:, 1, i] = b1 * slope, -b0 * slope
-        changed[:, 0, 3] += normal / root
-        changed[:, 1, 2] -= normal / root
-        return np.asarray(matrix + self.tensor.sandwich(changed, DISPLACEMENT, FIELDS[:4]))
+        tube = self._tube(q, multipliers)
+        matrix = tube.hessian(self.waves)
+        if factor or rate.any():
+            drag = self._drag(tube, rate, factor)
+            matrix += self.waves.quadratic(self.waves.waves.dragging_forms(self.cell, drag))
+        return matrix
 
     def columns(self, q: Array) -> Array:
         """Gradients of what the flow keeps, as columns."""
@@ -202,40 +198,32 @@ class TubeFlow:
 
     def constraints(self, q: Array) -> Array:
         """Area, or area and volume, of the straight tube's area."""
-        z = self._fields(q)
-        area = np.sqrt(_g(z)).mean() if z[3].min() > 0 else np.nan
-        volume = (z[3] @ z[3]) / (2 * z.shape[1])
-        return np.array([area, volume] if self.law == "area and volume" else [area])
+        tube = self._shape(q)
+        area = np.nan if _pinched(tube) else tube.area
+        return np.array([area, tube.volume] if self.law == "area and volume" else [area])
 
     def constraint_rows(self, q: Array) -> Array:
         """Their derivatives."""
-        z = self._fields(q)
-        root, c = np.sqrt(_g(z)), z[0] * z[3] - z[1] * z[2]
-        by_area = np.array((c * z[3], -c * z[2], z[2] - c * z[1], z[3] + c * z[0])) / root
-        rows = [self.tensor.adjoint(by_area, FIELDS[:4]).ravel()]
-        if self.law == "area and volume":
-            rows.append(self.tensor.adjoint(z[3:4], FIELDS[3:4]).ravel())
-        return np.array(rows)
+        rows = self._shape(q).constraints(self.waves)
+        return np.array(rows if self.law == "area and volume" else rows[:1])
 
     def metric(self, q: Array) -> Array:
         """Mean products of normal displacements."""
-        return self.tensor.sandwich(self._mass(self._fields(q)), DISPLACEMENT, DISPLACEMENT)
+        return self._shape(q).mass(self.waves)
 
     def moved_by(self, q: Array, speed: Array) -> Array:
         """The rate whose normal velocity is nearest to given speeds, in ``L^2`` of the surface."""
-        z = self._fields(q)
-        force = self.tensor.adjoint(np.array((z[3] * speed, -z[2] * speed)), DISPLACEMENT).ravel()
-        return np.asarray(np.linalg.solve(self.metric(q), force))
+        return self.resistance(q, self._force(self._shape(q), speed))
 
     def velocity(self, q: Array, rate: Array) -> Array:
         """Outward normal velocity at the grid's points."""
-        _, normal, g = self._motion(self._fields(q), rate)
-        return np.asarray(normal / np.sqrt(g))
+        return self._motion(self._shape(q), rate)[1]
 
     def places(self, q: Array) -> tuple[Array, Array]:
         """``x`` of the grid's points, and their polar angles about the axis, not about their section's centre."""
-        moved = self.tensor.values(self._matrix(q), DISPLACEMENT)
-        return self.tensor.x, self.tensor.phi + np.arctan2(moved[1], moved[0])
+        x, phi = self._points
+        moved = self.waves.displacement(self.cell, q)
+        return x, phi + np.arctan2(moved[1], moved[0])
 
     def resistance(self, q: Array, force: Array) -> Array:
         """The metric's inverse on a force."""
@@ -247,35 +235,27 @@ class TubeFlow:
 
     def kernels(self, q: Array, multipliers: Array) -> Array:
         """Shifts in ``y``, ``z`` and ``x``, and the turn about the axis."""
-        matrix = self._matrix(q)
-        found = np.zeros((4, *matrix.shape))
-        y, z = self.tensor.column("y", 0, "cos"), self.tensor.column("z", 0, "cos")
-        found[0, 0, y] = found[1, 0, z] = 1.0
-        found[2] = self.tensor.along(matrix)
-        found[3] = -self.tensor.around(matrix)  # the section turned by an angle: i d, and -sigma_phi
-        found[3, :, y], found[3, :, z] = -matrix[:, z], matrix[:, y]
-        return found.reshape(4, -1)
+        return np.array(rigid_motions(self.known(q), self.modes, 0))
 
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Growth rates of all perturbations in these modes."""
-        second = self._second(self._fields(q), float(multipliers[0]), self._lambda2(multipliers))
-        return growth_rates(second, self.metric(q), self.constraint_rows(q), self.kernels(q, multipliers), count)
+        second, mass = self._tube(q, multipliers).second_variation(self.waves)
+        return growth_rates(second, mass, self.constraint_rows(q), self.kernels(q, multipliers), count)
 
     def observables(self, q: Array, multipliers: Array) -> dict[str, float]:
         """Energy by area, multipliers, reduced volume; radii are measured from the sections' centres."""
-        z = self._fields(q)
-        energy, area = gradients(z, self.c0)[0].mean(axis=1)
-        volume = float(z[3] @ z[3]) / (2 * z.shape[1])
-        thin, thick = extremes(*self._cell, q)
+        energy, area, volume = self._tube(q, multipliers).means
+        along, around = self.size
+        thin, thick = extremes(self.waves, Cell(1, 1, (2 * along + 2, 2 * around + 2)), q)
         return {
-            "lambda1": float(multipliers[0]), "lambda2": self._lambda2(multipliers), "E": float(energy / area),
-            "area": float(area), "volume": volume, "v": 2 * volume, "amplitude": (thick - thin) / 2, "r_min": thin,
+            "lambda1": float(multipliers[0]), "lambda2": self._lambda2(multipliers), "E": energy / area,
+            "area": area, "volume": volume, "v": 2 * volume, "amplitude": (thick - thin) / 2, "r_min": thin,
             "r_max": thick,
         }  # fmt: skip
 
     def trouble(self, q: Array) -> Trouble | None:
         """A section that closes on its centre, or a surface about to stand across the axis."""
-        z = self._fields(q)
+        z = self.waves.state(self.cell, q, range(4))
         slope = np.abs(z[0] * z[3] - z[1] * z[2]) / np.hypot(z[2], z[3])
         thin, steep = int(z[3].argmin()), int(slope.argmax())
         if z[3, thin] < THINNEST:
@@ -290,14 +270,13 @@ class TubeFlow:
 
     def _place(self, point: int) -> dict[str, float]:
         """Where a grid point is, for a ``Sentence``."""
-        return {"x": self.tensor.x[point], "phi": self.tensor.phi[point]}
+        x, phi = self._points
+        return {"x": x[point], "phi": phi[point]}
 
     def _tails(self, q: Array) -> tuple[float, float]:
         """Largest coefficients among the last sixth of the wave numbers, along and around."""
-        matrix = np.abs(self._matrix(q))
-        along, around = self.tensor.waves
-        late = [np.maximum(5 * size // 6, 1) for size in self.size]
-        return float(matrix[along > late[0]].max()), float(matrix[:, around > late[1]].max())
+        size, (p, b), (along, around) = np.abs(q), self._numbers, self.size
+        return float(size[p > 5 * along // 6].max()), float(size[b > 5 * around // 6].max())
 
     @property
     def space(self) -> str:
@@ -335,8 +314,7 @@ class TubeFlow:
     def surface(self, q: Array, along: int = 161, around: int = 49) -> tuple[Array, Array, Array]:
         """Points to draw: ``x, y, z``, each of shape (along, around), closed around."""
         x, phi = np.linspace(-self.length / 2, self.length / 2, along), np.linspace(0, 2 * np.pi, around)
-        moved = Tensor.at(self.size, self.length, x, phi).values(self._matrix(q), DISPLACEMENT)
-        curve = (moved[0] + 1j * moved[1]).reshape(along, around) * np.exp(1j * phi)
+        curve = sections(self.known(q), 2 * np.pi / self.length, 0.0, x, phi)
         return np.repeat(x[:, None], around, axis=1), curve.real, curve.imag
 
     def to_tree(self) -> dict[str, Any]:
@@ -356,6 +334,6 @@ class TubeFlow:
         return cls(float(tree["c0"]), float(tree["length"]), size, law, float(tree["pressure"]))  # type: ignore[arg-type]
 
 
-def _g(z: Array) -> Array:
-    """Square of the area element at given fields."""
-    return np.asarray(z[2] ** 2 + z[3] ** 2 + (z[0] * z[3] - z[1] * z[2]) ** 2)
+def _pinched(tube: Equilibrium) -> bool:
+    """Whether a section is not star-shaped about its centre."""
+    return bool(tube.fields[3].min() <= 0)

@@ -41,21 +41,34 @@ def _invariants(z, first):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def gradients(z, c0):  # type: ignore[no-untyped-def]
-    """Densities of energy and area, (2, K), and their gradients in the fields, (2, 10, K), for fields (10, K)."""
+def areas(z):  # type: ignore[no-untyped-def]
+    """Density of the area, shape (K,), and its gradient in the first four fields, the only ones it depends on: (4, K)."""
     count = z.shape[1]
-    values, slopes = np.empty((2, count)), np.empty((2, 10, count))
+    values, slopes = np.empty(count), np.empty((4, count))
+    for k in range(count):
+        a0, a1, b0, b1 = z[0, k], z[1, k], z[2, k], z[3, k]
+        c = a0 * b1 - a1 * b0
+        root = np.sqrt(b0**2 + b1**2 + c**2)
+        values[k] = root
+        slopes[0, k], slopes[1, k] = c * b1 / root, -c * b0 / root
+        slopes[2, k], slopes[3, k] = (b0 - c * a1) / root, (b1 + c * a0) / root
+    return values, slopes
+
+
+@compiled
+def gradients(z, c0):  # type: ignore[no-untyped-def]
+    """Density of the energy, shape (K,), and its gradient in the fields, shape (10, K), for fields (10, K)."""
+    count = z.shape[1]
+    values, slopes = np.empty(count), np.empty((10, count))
     first = np.empty((9, 10))
     for k in range(count):
         m, g = _invariants(z[:, k], first)[:2]
         root = np.sqrt(g)
-        values[0, k] = m**2 / (4 * g**2 * root) - c0 * m / g + c0**2 * root
-        values[1, k] = root
+        values[k] = m**2 / (4 * g**2 * root) - c0 * m / g + c0**2 * root
         by_m = m / (2 * g**2 * root) - c0 / g
         by_g = -5 * m**2 / (8 * g**3 * root) + c0 * m / g**2 + c0**2 / (2 * root)
         for j in range(10):
-            slopes[0, j, k] = by_m * first[0, j] + by_g * first[1, j]
-            slopes[1, j, k] = first[1, j] / (2 * root)
+            slopes[j, k] = by_m * first[0, j] + by_g * first[1, j]
     return values, slopes
 
 

@@ -23,9 +23,7 @@ def extremes(modes: ModeWaves, cell: Cell, coefficients: Array, iterations: int 
     q = np.stack((waves.p[own] * waves.k, waves.b[own]))  # (2, Q)
     points = tuple(4 * n if n > 1 else 1 for n in cell.points)
     grid = Cell(cell.period, cell.fold, (points[0], points[1]))
-    spectrum = np.zeros(points, dtype=complex)
-    np.add.at(spectrum, grid.places(waves.p[own], waves.b[own]), amplitude)
-    radii = np.fft.ifft2(spectrum, norm="forward").real
+    radii = modes.state(grid, coefficients, range(3, 4)).reshape(points)  # sigma is the field b_1
     steps = [2 * np.pi / (unit * n) if unit else 0.0
              for unit, n in zip((cell.period * waves.k, cell.fold), points, strict=True)]  # fmt: skip
     found = []

@@ -19,7 +19,7 @@ from pearlbvp.constrained import restricted
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Fixed
 from pearlbvp.representation import brief
-from pearlbvp.tube.density import gradients, hessians
+from pearlbvp.tube.density import areas, gradients, hessians
 from pearlbvp.tube.waves import (
     IMAGINARY_JETS,
     Cell,
@@ -37,11 +37,11 @@ KEPT = 8
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """An equilibrium on the grid of its cell, as its second variation needs it.
+    """An equilibrium on the grid of its cell, as its second variation needs it; or any tube, pulled by its multipliers.
 
     Attributes:
         cell: the grid.
-        fields: the ten fields, shape (10, K).
+        fields: the ten fields, shape (10, K); for areas, volumes and displacements the first four are enough.
         kappa: rate at which the frame turns.
         c0, lambda1, lambda2: of the equilibrium.
     """
@@ -65,16 +65,25 @@ class Equilibrium:
     @cached_property
     def _bending(self) -> MatrixTransform:
         """Second derivatives of the Lagrangian's density in the jets (``tube.waves``)."""
-        jets = fields_of_jets(self.kappa)
-        return matrix_transform(self.cell, jets.T @ self._hessian @ jets, IMAGINARY_JETS)
+        return matrix_transform(self.cell, self._hessian, IMAGINARY_JETS, fields_of_jets(self.kappa))
 
     @cached_property
     def _moving(self) -> MatrixTransform:
         """What makes of displacements in the plane the square of the normal one, by area."""
-        a0, a1, b0, b1 = self.fields[:4]
-        normal = np.stack((-b1, b0), axis=1)
-        root = np.sqrt(b0**2 + b1**2 + (a0 * b1 - a1 * b0) ** 2)
-        return matrix_transform(self.cell, normal[:, :, None] * normal[:, None, :] / root[:, None, None], (1,))
+        normal = self.outward.T
+        weights = normal[:, :, None] * normal[:, None, :] / self.areas[0][:, None, None]
+        return matrix_transform(self.cell, weights, (1,))
+
+    @cached_property
+    def outward(self) -> Array:
+        """The plane part of the outward normal, times the area element: turned as the fields are, shape (2, K)."""
+        return np.stack((self.fields[3], -self.fields[2]))
+
+    @cached_property
+    def areas(self) -> tuple[Array, Array]:
+        """The area element, shape (K,), and its gradient in the first four fields, shape (4, K)."""
+        element, slopes = areas(self.fields)
+        return element, slopes
 
     @cached_property
     def _forms(self) -> dict[Waves, tuple[Forms, Forms]]:
@@ -83,6 +92,10 @@ class Equilibrium:
     def hessian(self, modes: ModeWaves) -> Array:
         """Matrix of the second variation, shape (N, N)."""
         return modes.quadratic(modes.waves.bending_forms(self.cell, self._bending))
+
+    def mass(self, modes: ModeWaves) -> Array:
+        """Matrix of the normal displacement's mean square, shape (N, N)."""
+        return modes.quadratic(modes.waves.moving_forms(self.cell, self._moving))
 
     def second_variation(self, modes: ModeWaves) -> tuple[Array, Array]:
         """Matrices of the second variation and of the normal displacement's mean square, shape (N, N).
@@ -97,28 +110,32 @@ class Equilibrium:
 
     @cached_property
     def _gradients(self) -> tuple[Array, Array]:
-        """Densities of energy and area, shape (2, K), and their gradients in the fields, shape (2, 10, K)."""
+        """Density of the energy, shape (K,), and its gradient in the fields, shape (10, K)."""
         values, slopes = gradients(self.fields, self.c0)
         return values, slopes
 
     @cached_property
-    def _by_volume(self) -> Array:
-        """Gradient of the volume's density, shape (10, K)."""
-        slope = np.zeros_like(self.fields)
-        slope[3] = self.fields[3]
-        return slope
-
-    @cached_property
     def _force(self) -> Array:
         """Gradient of the Lagrangian's density, shape (10, K)."""
-        energy, area = self._gradients[1]
-        return np.asarray(energy + self.lambda1 * area + self.lambda2 * self._by_volume)
+        force = self._gradients[1].copy()
+        force[:4] += self.lambda1 * self.areas[1]
+        force[3] += self.lambda2 * self.fields[3]
+        return np.asarray(force)
+
+    @property
+    def area(self) -> float:
+        """Area by that of the cylinder."""
+        return float(self.areas[0].mean())
+
+    @property
+    def volume(self) -> float:
+        """Volume by the cylinder's area."""
+        return float(self.fields[3] @ self.fields[3]) / (2 * self.fields.shape[1])
 
     @property
     def means(self) -> tuple[float, float, float]:
         """Energy, area and volume by unit area of the cylinder."""
-        energy, area = self._gradients[0].mean(axis=1)
-        return float(energy), float(area), float((self.fields[3] ** 2).mean()) / 2
+        return float(self._gradients[0].mean()), self.area, self.volume
 
     def force(self, modes: ModeWaves) -> Array:
         """Gradient of energy and constraints with their multipliers in the modes, shape (N,): 0 at an equilibrium."""
@@ -126,19 +143,19 @@ class Equilibrium:
 
     @cached_property
     def _slopes(self) -> tuple[Complex, Complex]:
-        return self.cell.transform(self._gradients[1][1]), self.cell.transform(self._by_volume)
+        return self.cell.transform(self.areas[1]), self.cell.transform(self.fields[3:4])
 
     def constraints(self, modes: ModeWaves) -> tuple[Array, Array]:
         """Gradients of area and volume in the modes, each of shape (N,)."""
         area, volume = self._slopes
-        return modes.linear(self.cell, area), modes.linear(self.cell, volume)
+        return modes.linear(self.cell, area, range(4)), modes.linear(self.cell, volume, range(3, 4))
 
     def by_c0(self, modes: ModeWaves) -> Array:
         """Derivative by ``c0`` of the energy's gradient in the modes, shape (N,).
 
         The energy is a polynomial of degree two in ``c0``, so that its central difference over any step is exact.
         """
-        ahead, behind = (gradients(self.fields, self.c0 + step)[1][0] for step in (1.0, -1.0))
+        ahead, behind = (gradients(self.fields, self.c0 + step)[1] for step in (1.0, -1.0))
         return modes.linear(self.cell, self.cell.transform((ahead - behind) / 2))
 
     def by_length(self, modes: ModeWaves, length: float) -> tuple[Array, float]:
@@ -150,7 +167,7 @@ class Equilibrium:
         order = ORDERS_ALONG[:, None]
         stretched = order * self.fields
         weights = order * self._force + np.einsum("kij,jk->ik", self._hessian, stretched)
-        by_area = (self._gradients[1][1] * stretched).sum(axis=0).mean()
+        by_area = (self.areas[1] * stretched[:4]).sum(axis=0).mean()
         return -modes.linear(self.cell, self.cell.transform(weights)) / length, -float(by_area) / length
 
 

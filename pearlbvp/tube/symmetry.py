@@ -99,7 +99,7 @@ class TubeSymmetry:
 
     def features(self, mode: Mode) -> int | None:
         """Features of a mode, or None if its wave numbers do not fit the period and the fold."""
-        p, b = int(mode.p), mode.harmonic
+        p, b = mode.p, mode.harmonic
         if p % self.period if self.period else p:
             return None
         if b % self.fold if self.fold else b:
@@ -180,7 +180,7 @@ class TubeSymmetry:
 
     def _block_of(self, mode: Mode) -> tuple[TubeBlock, int]:
         """The block of a mode, and its own coset, which differs where the block stands for several that are alike."""
-        j, c = _class(int(mode.p), self.period), _class(mode.harmonic, self.fold)
+        j, c = _class(mode.p, self.period), _class(mode.harmonic, self.fold)
         features = self.features(mode)
         if features is None:
             features = (mode.along == "sin") * ODD_X + (not mode.is_even) * ODD_PHI

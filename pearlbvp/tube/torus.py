@@ -33,7 +33,7 @@ def _exponentials(function: str, number: int) -> dict[int, complex]:
 
 def _waves(mode: Mode) -> dict[tuple[int, int], complex]:
     """A mode as a sum of waves ``e^{i (p k x + b phi)}`` of the torus."""
-    along = _exponentials(mode.along, int(mode.p))
+    along = _exponentials(mode.along, mode.p)
     around = _exponentials("cos" if mode.is_even else "sin", mode.harmonic)
     return {(p, b): f * g for p, f in along.items() for b, g in around.items()}
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from sums import second_variation
+from sums import Basis, grid, second_variation
 
 from pearlbvp.continuation.path import correct
 from pearlbvp.helfrich import Tube
@@ -18,7 +18,6 @@ from pearlbvp.newton import NewtonOptions
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.diagram import diagram
 from pearlbvp.theory.elastica import ring_at
-from pearlbvp.tube.modes import Basis, grid
 
 
 def milliseconds(call, repeats=10):
@@ -77,7 +76,7 @@ def main():
     solve = milliseconds(lambda: problem.solve(u, rhs, rhs))
     spectrum = milliseconds(lambda: problem.spectrum(u), 4)
     print(f"buckle 12 x 12: solve {solve:.1f} ms (100 ms), spectrum in all blocks {spectrum:.0f} ms (1000 ms)")
-    x, phi = grid(*problem.cell.points, problem.length, 2 * np.pi, halved=False)
+    x, phi = grid(problem.cell.points, problem.length)
     basis = Basis.of(problem.modes, problem.k, 0.0, x, phi)
     fields = basis.state(u[:-3])
     peer = milliseconds(lambda: second_variation(basis, fields, 0.0, u[-3], u[-2]), 4)
