@@ -196,8 +196,9 @@ def test_the_second_variation_is_the_second_difference_of_the_energy(n, c, parit
     w = wave((c + n) * s) + 0.4 * wave((c - n if parity is None else c or 2 * n) * s) + 0.2 * wave((c + 2 * n) * s)
     variation = PlanarVariation.of(profile, count)
     at_rest, by_square = variation.matrices(c, parity)
+    coefficients = variation.waves(c, parity)[0].conj().T
     matrix = at_rest + k**2 * by_square - k**4 / 2 * np.eye(len(at_rest))
-    part = w[: len(matrix)]
+    part = coefficients @ w[: len(matrix)]
     form = (part.conj() @ matrix @ part).real * (1 if parity is None else 2) * 2 * math.pi / count
     if parity is None:
         w, form = w.real, form / 2

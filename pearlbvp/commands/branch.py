@@ -87,7 +87,7 @@ if TYPE_CHECKING:
     type=click.IntRange(min=2),
     default=200,
     show_default=True,
-    help="End after so many; special ones come on top.",
+    help="End after so many new points, special ones and where it goes on from among them.",
 )
 @click.option("--step", type=Number(), help="First step along the branch.  [default: 0.1, or the largest]")
 @click.option("--max-step", type=Number(), default=0.5, show_default=True, help="Largest step along the branch.")
@@ -238,7 +238,12 @@ def branch(
             bar.update(len(so_far.points) - bar.n)
             checkpoint(so_far)
 
-        options = study.branch_options(wanted, max_points=max_points, step=step, max_step=max_step, progress=progress)
+        def locating(done: int, of: int) -> None:
+            bar.set_postfix_str(f"{done} of {of} special points located", refresh=False)
+
+        options = study.branch_options(
+            wanted, max_points=max_points, step=step, max_step=max_step, progress=progress, locating=locating
+        )
         accuracy = {} if tolerance is None else {"tolerance": tolerance}
         fixed: Any = "area" if pressure else "area and volume"
         found: Any
@@ -261,7 +266,8 @@ def branch(
             found = saved.switched(known, switch, options, centre=centre, grow=not shrink)
         else:
             found = saved.resumed(known, options)
-    table = units.columns(found.table()[study.COLUMNS])
+        bar.set_postfix_str("", refresh=False)
+        table = units.columns(found.table()[study.COLUMNS])
     saves = [] if save is None else [lambda: saved.save(found, save)]
 
     def draw() -> Figure:

@@ -224,7 +224,8 @@ class BranchOptions:
             from the start, which is none.
         folds: observables whose turning points are located, besides those of ``until_special``.
         limit: a reason to end at a point with its spectrum, or None.
-        progress: called with the branch so far after each step, to show or to save it.
+        progress: called with the branch so far after each point, special ones too, to show or to save it.
+        locating: called while the special points of a step are located, with how many are and how many there are.
     """
 
     path: PathOptions = field(default_factory=PathOptions)
@@ -233,6 +234,7 @@ class BranchOptions:
     folds: Sequence[str] = ("lambda1", "lambda2", "v", "E")
     limit: Callable[[BranchPoint[Any]], str | None] = lambda point: None
     progress: Callable[[Branch[Any]], None] = lambda branch: None
+    locating: Callable[[int, int], None] = lambda done, of: None
 
     @property
     def watched(self) -> Sequence[str]:
@@ -263,6 +265,7 @@ def continue_branch(
     """
     points: list[BranchPoint[P]] = []
     special: list[SpecialPoint[P]] = [SpecialPoint("start", 0)]
+    most = f"max_points = {options.path.max_points} reached"
 
     def end(reason: str, kind: str = "end", advice: str = "") -> Branch[P]:
         if kind == "end" and reason != INTERRUPTED:
@@ -283,7 +286,7 @@ def continue_branch(
             if wanted is not None and not wanted.converged:
                 return end("a wanted value lies just ahead, but could not be reached; take shorter steps")
             latest = _with_spectrum(point if wanted is None else wanted.point)
-            events = events_between(before, latest, options.watched, at_start)
+            events = events_between(before, latest, options.watched, at_start, options.locating)
             length = _length(before.point, latest.point)
             shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
             doubtful = any(_is_doubtful(event, point.problem, options.until_special) for event in events)
@@ -292,31 +295,31 @@ def continue_branch(
                 continue
             if doubtful or length > 4 * tried:  # beyond the place of doubt
                 tried = math.inf
-            new, found = _placed(events, len(points), length)
-            points += [*new, latest]
-            special += found
+            for place in _places(events):
+                points.append(_with_spectrum(place[0].point))
+                special += [_special(event, len(points) - 1, length) for event in place]
+                options.progress(Branch(points, special, "unfinished", False))
+                if _asked(special, options.until_special) is not None:
+                    return end("the wanted special point is reached", "stop")
+                if any(event.kind == "bp" and event.change == 0 for event in place):
+                    return end(
+                        "it meets a more symmetric branch at a pitchfork; beyond, it would repeat its own mirror images"
+                    )
+                if len(points) >= options.path.max_points:
+                    return end(most, advice=MORE)
+            points.append(latest)
+            special += [_special(event, len(points) - 1, length) for event in events if not event.converged]
+            options.progress(Branch(points, special, "unfinished", False))
             asked = _asked(special, options.until_special)
             if asked is not None:
-                del points[asked.index + 1 :]
-                special = [s for s in special if s.index <= asked.index]
-            options.progress(Branch(points, special, "unfinished", False))
-            if asked is not None and asked.converged:
-                return end("the wanted special point is reached", "stop")
-            if asked is not None:
                 return end(f"the wanted {asked.kind} lies just before, but could not be located; take shorter steps")
-            if any(event.kind == "bp" and event.change == 0 for event in events):
-                del points[-1]
-                return end(
-                    "it meets a more symmetric branch at a pitchfork; beyond, it would repeat its own mirror images"
-                )
             if wanted is not None:
                 return end("the wanted value is reached", "stop")
             reason = options.limit(latest)
             if reason is not None:
                 return end(reason)
             if len(points) >= options.path.max_points:
-                advice = "; resume the branch or ask for more"
-                return end(f"max_points = {options.path.max_points} reached", advice=advice)
+                return end(most, advice=MORE)
     except (PathEnd, SpectrumError) as failure:
         return end(str(failure))
     except np.linalg.LinAlgError as error:
@@ -333,6 +336,9 @@ INTERRUPTED = "interrupted"
 """Reason of a branch that somebody stopped."""
 
 MOVED_AWAY = "moved away from its wanted value from the start on"
+
+MORE = "; resume the branch or ask for more"
+"""Advice where a branch has as many points as it may have."""
 
 
 def _left_behind(points: Sequence[BranchPoint[Any]], until: Mapping[str, float]) -> list[str]:
@@ -374,27 +380,22 @@ def _length(first: Point[Any], last: Point[Any]) -> float:
     return abs(Segment(first, last).length)
 
 
-def _placed(events: list[Event[P]], count: int, length: float) -> tuple[list[BranchPoint[P]], list[SpecialPoint[P]]]:
-    """Located events as points of a branch of ``count`` points, and as special points; one point for those at one place.
-
-    What was not located is attached to the computed point that comes after.
-    """
-    points: list[BranchPoint[P]] = []
-    reached = -math.inf
-    places = []
+def _places(events: Sequence[Event[P]]) -> list[list[Event[P]]]:
+    """Located events in order, those at one place together."""
+    places: list[list[Event[P]]] = []
     for event in events:
-        if event.converged and event.s - reached > SAME_PLACE:
-            points.append(_with_spectrum(event.point))
-            reached = event.s
-        places.append(count + len(points) - 1 if event.converged else None)
-    after = count + len(points)
-    special = [
-        SpecialPoint[P](
-            event.kind, after if place is None else place, event.block, event.change, event.converged, (0.0, length)
-        )
-        for event, place in zip(events, places, strict=True)
-    ]
-    return points, special
+        if not event.converged:
+            continue
+        if places and event.s - places[-1][0].s <= SAME_PLACE:
+            places[-1].append(event)
+        else:
+            places.append([event])
+    return places
+
+
+def _special(event: Event[P], index: int, length: float) -> SpecialPoint[P]:
+    """An event at a point of a branch; one that was not located is attached to the computed point that comes after."""
+    return SpecialPoint(event.kind, index, event.block, event.change, event.converged, (0.0, length))
 
 
 def _with_spectrum(point: Point[P]) -> BranchPoint[P]:

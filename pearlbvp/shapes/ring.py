@@ -251,11 +251,11 @@ class RingProblem:
         return curve.real, curve.imag
 
     def wave(self, u: Array) -> float:
-        """``2 A`` of the largest wave (``projection``): the first of the lobes."""
-        profile, points = self.profile(u), 256 * self.n
-        sigma = (np.arange(points) + 0.5) * 2 * self.n / points  # a waist that touches the centre is none of them
+        """``2 A`` of the largest wave (``projection``), from one lobe, which stands for all: of others there are none."""
+        profile, points = self.profile(u), 256
+        sigma = (np.arange(points) + 0.5) * 2 / points  # a waist that touches the centre is none of them
         step = 1j * np.exp(1j * profile.at(sigma)[:, 0]) * 2 * math.pi / points
-        return of_section(profile.curve(sigma), step).wave(0.0, (0, 4 * self.n))
+        return of_section(profile.curve(sigma), step).wave(0.0, (0, 4), fold=self.n)
 
     def first_integral_spread(self, u: Array) -> float:
         """Largest minus smallest ``kappa'^2 + kappa^4/4 - a kappa^2 - 2 p kappa`` at the mesh points: a free error measure."""

@@ -121,13 +121,14 @@ class Spectrum:
     @property
     def neutral(self) -> float:
         """Growth rates of this size are zero to the accuracy of the spectrum: its kernels', and rounding."""
-        largest = max((float(np.abs(rates).max(initial=0.0)) for rates in self.rates.values()), default=0.0)
+        largest = float(np.abs(np.concatenate([[0.0], *self.rates.values()])).max())
         return 1e-8 + ROUNDING * largest + 10 * self.residual
 
     @property
     def n_unstable(self) -> int:
         """Dimension of the unstable space; at a branch point its neutral perturbation is not counted."""
-        return sum(block.multiplicity * int((rates > self.neutral).sum()) for block, rates in self.rates.items())
+        zero = self.neutral  # it takes a look at all blocks, of which there may be thousands
+        return sum(block.multiplicity * int(np.count_nonzero(rates > zero)) for block, rates in self.rates.items())
 
     def to_tree(self) -> dict[str, Any]:
         """Everything as arrays and numbers, to be saved."""

@@ -47,6 +47,7 @@ def branch_options(
     step: float | None = None,
     max_step: float = 0.5,
     progress: Callable[[Branch[Any]], None] = lambda branch: None,
+    locating: Callable[[int, int], None] = lambda done, of: None,
 ) -> BranchOptions:
     """Options of a branch of any family.
 
@@ -54,9 +55,10 @@ def branch_options(
         until: column and value at which to stop exactly, or kind and number of a special point: ``{"v": 1.1}``,
             ``{"bp": 1}`` for the first branch point, ``{"fold:v": 2}``, ``{"cmc": 1}``, ``{"fold": 1}`` for the first fold of
             any. Special points are counted from where the branch goes on. Several may be given, the first reached counts.
-        max_points: end after so many.
+        max_points: end after so many, start and special points among them.
         step, max_step: first (by default 0.1 or ``max_step``) and largest step, in the norm of shape and parameters.
-        progress: called with the branch so far after each step.
+        progress: called with the branch so far after each point.
+        locating: called while special points are located, with how many are and how many there are in the step.
 
     Raises:
         InputError: an argument that cannot be used.
@@ -79,7 +81,9 @@ def branch_options(
         raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}; give one between")
 
     path = PathOptions(step=step, max_step=max_step, max_points=max_points)
-    return BranchOptions(path=path, until=wanted, until_special=special, limit=limit, progress=progress)
+    return BranchOptions(
+        path=path, until=wanted, until_special=special, limit=limit, progress=progress, locating=locating
+    )
 
 
 def _number(kind: str, value: float) -> int:

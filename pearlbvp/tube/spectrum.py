@@ -74,7 +74,8 @@ class TubeSpectrum:
     @property
     def n_unstable(self) -> int:
         """Dimension of the unstable space; at a branch point its neutral perturbation is not counted."""
-        return sum(block.multiplicity * int((rates > self.neutral).sum()) for block, rates in self.rates.items())
+        zero = self.neutral  # it takes a look at all blocks
+        return sum(block.multiplicity * int((rates > zero).sum()) for block, rates in self.rates.items())
 
     @property
     def critical(self) -> TubeBlock:
