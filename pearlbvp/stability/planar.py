@@ -149,7 +149,7 @@ class PlanarVariation:
         return cls(profile, *profile.at(2 * (np.arange(count) + 0.5) / count).T)
 
     def waves(self, c: int, parity: str | None) -> tuple[NDArray[Any], NDArray[Any], Array]:
-        """Unit waves of a class and their derivatives at the points (the first half of them with a parity), and their numbers."""
+        """Unit waves of a class, their derivatives and numbers, at the points (the first half of them with a parity)."""
         wave, slope, per_lobe = waves(len(self.kappa), PlanarBlock(0, c, self.profile.n, parity).theta, parity)
         number = per_lobe * self.profile.n / (2 * math.pi)
         return wave, slope * number, number
@@ -266,9 +266,7 @@ def _enough(profile: PlaneProfile, tolerance: float) -> int:
     return min(USUAL, max(FEW, 8 + 4 * math.ceil(fastest / profile.n)))
 
 
-def resolved(
-    profile: PlaneProfile, *, tolerance: float = 1e-9, max_points: int = 512
-) -> tuple[PlanarVariation, float]:
+def resolved(profile: PlaneProfile, *, tolerance: float = 1e-9, max_points: int = 512) -> tuple[PlanarVariation, float]:
     """The second variation on as many points as make rigid motions kernels to ``tolerance``, and how well they are.
 
     Args:

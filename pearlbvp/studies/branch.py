@@ -20,7 +20,7 @@ from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import Centre, PearlProblem, pearling_onset
 from pearlbvp.stability.bloch import Fixed
 from pearlbvp.studies.ends import limit
-from pearlbvp.theory.dispersion import critical_lambda2
+from pearlbvp.theory.dispersion import onset_lambda2
 from pearlbvp.units import Sentence
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
@@ -125,9 +125,7 @@ def pearl_branch(
     tube = Tube(c0, length)
     if m != int(m) or m < 1:
         raise InputError(f"mode: {m} pearls are none; give a whole number from 1 on")
-    if not critical_lambda2(tube.wave_number(m), 0, tube.c0) ** 2 < 1e12:
-        text = f"mode: {m} pearls on L = {{L:g}} have k = {{k:g}} and branch off nowhere; change mode or length"
-        raise InputError(Sentence(text, L=length, k=1.0))
+    onset_lambda2(tube, int(m), 0)
     if length / m > LONGEST_PEARL:
         text = f"length: pearls of period {{period:g}} are longer than {LONGEST_PEARL:g} radii; take more of them"
         raise InputError(Sentence(text, period=length / m))

@@ -22,7 +22,15 @@ import numpy as np
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, cylinder_energy, cylinder_lambda1
-from pearlbvp.theory.dispersion import Mode, critical_lambda2, growth_rate, mode_type, stable_interval
+from pearlbvp.theory.dispersion import (
+    Mode,
+    critical_lambda2,
+    growth_rate,
+    mode_type,
+    onset_lambda2,
+    stable_interval,
+)
+from pearlbvp.units import Sentence
 
 Family = Literal["pearl", "ring", "coil", "buckle"]
 FAMILIES: dict[str, tuple[Family, ...]] = {
@@ -128,23 +136,15 @@ class AmplitudeEquation:
     n: int
 
     def __post_init__(self) -> None:
-        if self.m < 0 or self.n < 0 or (self.m, self.n) in ((0, 0), (0, 1)):
-            raise InputError(
-                f"mode: ({self.m},{self.n}) is no bifurcation but a change of radius or a shift of the tube; give "
-                "m,0 with m >= 1, 0,n with n >= 2, or m,n with both >= 1"
-            )
-        if not self.lambda2**2 < 1e12:
-            raise InputError(
-                f"mode: pearls of mode ({self.m},0) on L = {self.tube.length:g} have k = 1 and branch off nowhere; "
-                "change mode or length"
-            )
+        onset_lambda2(self.tube, self.m, self.n)
         for m, n in ((2 * self.m, 2 * self.n), *(((2 * self.m, 0), (0, 2 * self.n)) if self.m and self.n else ())):
             size = (self.tube.wave_number(m) ** 2 + n**2) ** 2
             if abs(self._rate(m, n)) < RESONANT * (1 + size):
-                raise InputError(
-                    f"mode: ({self.m},{self.n}) meets ({m},{n}), which it excites, at lambda2 = {self.lambda2:.6g} on "
-                    f"L = {self.tube.length:g}; its equation alone does not hold there: change c0 or the length a little"
+                text = (
+                    f"mode: ({self.m},{self.n}) meets ({m},{n}), which it excites, at lambda2 = {{lambda2:.6g}} on "
+                    "L = {L:g}; its equation alone does not hold there: change c0 or the length a little"
                 )
+                raise InputError(Sentence(text, lambda2=self.lambda2, L=self.tube.length))
 
     @cached_property
     def k(self) -> float:

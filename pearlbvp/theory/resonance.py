@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, cylinder_lambda1
 from pearlbvp.theory.amplitude import direct1, force22, linear, tension
-from pearlbvp.theory.dispersion import critical_lambda2, growth_rate
+from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, onset_lambda2
 
 
 def cross(kappa: Any, c0: Any, lambda2: Any) -> Any:
@@ -55,7 +55,7 @@ class Resonance:
         m: waves of the longer of the two; the other has ``2m``.
 
     Raises:
-        InputError: on construction: no whole number of waves, or ``k = 1`` for one of the two.
+        InputError: on construction: no whole number of waves, or one of the two has no branch (``k = 1``).
     """
 
     tube: Tube
@@ -64,8 +64,8 @@ class Resonance:
     def __post_init__(self) -> None:
         if not float(self.m).is_integer() or self.m < 1:
             raise InputError(f"mode: {self.m} waves are none; give a whole number from 1 on")
-        if not (abs(self.onset) < 1e6 and abs(self.onset_double) < 1e6):  # not a number included
-            raise InputError(f"mode: {self.m} or {2 * self.m} pearls on L = {self.tube.length:g} have k = 1; change L")
+        for m in (self.m, 2 * self.m):
+            onset_lambda2(self.tube, m, 0)
 
     @cached_property
     def kappa(self) -> float:
