@@ -152,7 +152,7 @@ def _computed(
             tube.c0, tube.length, depth, options, follow, modes=list(modes) or None, processes=processes or 0
         )  # fmt: skip
     for name, why in found.skipped.items():
-        print(f"pearlbvp: {name} was not followed: {why}", file=sys.stderr)
+        print(f"pearlbvp: {name} was not followed: {units.said(why)}", file=sys.stderr)
     if not found.branches:
         raise InputError("--mode: no branch could be followed; choose other modes, or another length")
     return found.table()

@@ -201,7 +201,7 @@ def _primary(tube: Tube, family: Any, mode: Mode, options: BranchOptions) -> Bra
             return ring_branch(tube.c0, tube.length, n, options)
         return tube_branch(tube.c0, tube.length, family, mode, options)
     except InputError as error:
-        return str(error)
+        return error.args[0]
 
 
 def _secondary(branch: Branch[Any], number: int, centre: str, options: BranchOptions) -> Branch[Any] | str:
@@ -209,7 +209,7 @@ def _secondary(branch: Branch[Any], number: int, centre: str, options: BranchOpt
     try:
         return switched(branch, number, options, centre=centre)
     except InputError as error:
-        return str(error)
+        return error.args[0]
 
 
 def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, str]]:

@@ -74,8 +74,8 @@ def _next_to_one(tube: Tube, m: int) -> Sentence:
     k = tube.wave_number(m)
     nearness = "{k:g}" if k == 1 else "{k:.12g}"
     return Sentence(
-        f"mode: pearls of mode ({m},0) on L = {{L:.12g}} have the circumference of the tube as their period (k = {nearness}), where none "
-        "branch off; give another length, like {length:.4g}",
+        f"mode: pearls of mode ({m},0) on L = {{L:.12g}} have the circumference of the tube as their period (k = {nearness}), "
+        "where none branch off; give another length, like {length:.4g}",
         L=tube.length,
         k=k,
         length=2 * math.pi * m * 1.1,
@@ -86,7 +86,7 @@ def _too_short(tube: Tube, m: int, n: int, critical: float) -> Sentence:
     """What is wrong with waves that branch off at a ``lambda2`` of the size of their number's square."""
     around = n**2 > LARGEST_LAMBDA2  # these alone are half of it
     return Sentence(
-        f"mode: waves ({m},{n}) on L = {{L:.6g}} are {{period:.2g}} long, so short that they branch off at lambda2 = "
+        f"mode: waves ({m},{n}) on L = {{L:.6g}} are {{period:.3g}} long, so short that they branch off at lambda2 = "
         "{lambda2:.3g}, beyond {pressure:.3g}; "
         + ("give fewer waves around the tube" if around else "give a longer tube, like {length:.3g}"),
         L=tube.length,
