@@ -212,3 +212,13 @@ def test_where_pearls_lose_their_symmetry_about_the_axis_the_command_is_said_tha
     assert table["L"].iloc[0] == pytest.approx(12 * radius)
     assert table["lambda2"].iloc[0] == pytest.approx(-0.06075744678 / radius**3, rel=2e-3)
     assert table["n_unstable"].iloc[0] == 12
+
+
+def test_a_mode_of_coils_that_is_refused_is_named_as_one_and_its_remedy_will_do(capsys):
+    command = ["branch", "coil", "--c0", "0", "--mode", "3,1", "--radius", "50", "--max-points", "2", "--length"]
+    status, out, err = run(capsys, *command, "0.37")
+    assert (status, out) == (2, "")
+    assert err.startswith("pearlbvp: --mode: waves (3,1) on L = 0.37 are 0.123 long")
+    assert "pearls" not in err
+    status, out, _ = run(capsys, *command, err.rsplit("like ", 1)[1].strip())
+    assert (status, len(pd.read_csv(io.StringIO(out)))) == (0, 2)

@@ -1,6 +1,7 @@
 """The cylinder's stability against the paper's formulas, brute force, and its large-L limits."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -9,14 +10,17 @@ from hypothesis import strategies as st
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, pearl_branch
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.theory.dispersion import (
     critical_lambda2,
     critical_wave_number,
     growth_rate,
     long_tube_interval,
+    onset_lambda2,
     stable_interval,
 )
+from pearlbvp.units import Units
 
 C0 = st.floats(-2, 1.5)
 
@@ -133,3 +137,48 @@ def test_a_tube_of_a_hundred_million_radii_costs_what_a_short_one_costs():
 def test_numbers_beyond_reason(c0, length, name):
     with pytest.raises(InputError, match=f"^{name}: .*check its unit"):
         stable_interval(Tube(c0, length))
+
+
+def numbers_in(message):
+    """``name = number`` of a sentence, and the length that it ends with."""
+    named = {name: float(value) for name, value in re.findall(r"(\w+) = ([\d.e+-]*\d)", message)}
+    return named | {"like": float(message.rsplit("like ", 1)[1])}
+
+
+@pytest.mark.parametrize(("c0", "m", "n"), [(0.0, 3, 1), (0.0, 1, 0), (-20.0, 5, 0), (0.48, 2, 7)])
+@pytest.mark.parametrize("radius", [1.0, 50.0])
+def test_waves_too_short_to_follow_are_refused_with_their_own_numbers_in_the_user_s_unit(c0, m, n, radius):
+    length = 0.0023 * m
+    with pytest.raises(InputError) as refusal:
+        onset_lambda2(Tube(c0, length), m, n)
+    said = Units(radius, given=True).said(refusal.value.args[0])
+    found = numbers_in(said)
+    assert f"waves ({m},{n})" in said
+    assert "k = 1" not in said
+    assert "pearls" not in said
+    q = (2 * math.pi * m / length) ** 2 + n**2
+    assert found["L"] == pytest.approx(length * radius, rel=1e-5)
+    # The paper's growth rate is zero there: q^2/2 - q (lambda2 + 1) + lambda2 + 1/2 + (1 - 2 c0) k^2 = 0.
+    exact = (q**2 / 2 - q + 0.5 + (1 - 2 * c0) * (q - n**2)) / (q - 1)
+    assert found["lambda2"] == pytest.approx(exact / radius**3, rel=5e-3)
+    assert f"{2 * math.pi * radius / math.sqrt(q):.3g} long" in said
+    assert abs(onset_lambda2(Tube(c0, found["like"] / radius), m, n)) < 1e6
+
+
+@pytest.mark.parametrize("radius", [1.0, 50.0])
+@pytest.mark.parametrize(("m", "away"), [(1, 0.0), (4, 0.0), (2, 3e-8)])
+def test_pearls_as_long_as_the_tube_is_around_are_refused_as_such(m, away, radius):
+    tube = Tube(-1.0, 2 * math.pi * m * (1 + away))
+    with pytest.raises(InputError) as refusal:
+        onset_lambda2(tube, m, 0)
+    said = Units(radius, given=True).said(refusal.value.args[0])
+    found = numbers_in(said)
+    assert f"mode ({m},0)" in said
+    assert (found["L"], found["k"] * radius) == pytest.approx((tube.length * radius, 1 / (1 + away)), rel=1e-11)
+    branch = pearl_branch(-1.0, found["like"] / radius, m, branch_options(max_points=3))
+    assert len(branch.points) == 3
+
+
+def test_waves_around_that_are_too_many_are_refused_as_such():
+    with pytest.raises(InputError, match=r"waves \(1,2000\) .* fewer waves around"):
+        onset_lambda2(Tube(0.0, 10.0), 1, 2000)

@@ -196,8 +196,9 @@ def test_the_second_variation_is_the_second_difference_of_the_energy(n, c, parit
     w = wave((c + n) * s) + 0.4 * wave((c - n if parity is None else c or 2 * n) * s) + 0.2 * wave((c + 2 * n) * s)
     variation = PlanarVariation.of(profile, count)
     at_rest, by_square = variation.matrices(c, parity)
+    coefficients = variation.waves(c, parity)[0].conj().T
     matrix = at_rest + k**2 * by_square - k**4 / 2 * np.eye(len(at_rest))
-    part = w[: len(matrix)]
+    part = coefficients @ w[: len(matrix)]
     form = (part.conj() @ matrix @ part).real * (1 if parity is None else 2) * 2 * math.pi / count
     if parity is None:
         w, form = w.real, form / 2
@@ -359,3 +360,67 @@ def test_unusable_tolerances_and_tubes_are_refused():
         ring_onsets(-1.0, 2, [1e6])
     with pytest.raises(InputError, match="^wave_numbers: "):
         neutral_rings(-1.0, 2, [0.0])
+
+
+LONG = (-1.0, 60, 20)
+"""A tube on which nine waves become neutral in the first step, and thousands grow."""
+
+
+def test_every_special_point_of_a_long_ring_is_a_point_shown_when_it_is_located():
+    shown, located = [], []
+    options = branch_options(max_points=11, progress=lambda so_far: shown.append(len(so_far.points)),
+                             locating=lambda done, of: located.append((done, of)))  # fmt: skip
+    wrinkles = ring_branch(*LONG, options)
+    assert shown == list(range(2, 12))
+    assert located == [(done, 9) for done in range(9)]
+    for lost in wrinkles.find("bp"):  # each is neutral on the exact ring of its volume, with another number of points
+        observed, block = wrinkles.at(lost).observables, lost.block
+        variation = PlanarVariation.of(exact_profile(ring_at(20, "v", observed["v"]), -1.0), 24)
+        rates = variation.rates_at(block.c, block.parity, np.array([2 * math.pi * block.j / 60]))[0]
+        slope = 2e4  # of growth rates by the volume: they change by hundreds where it does by a hundredth
+        assert np.abs(rates).min() < 1e-6 * slope
+    # The circle's own unstable waves, by the closed form.
+    k, n = np.meshgrid(2 * math.pi / 60 * np.arange(-400, 401), np.arange(-200, 201))
+    growing = growth_rate(k, n, (20**2 - 1) / 2, -1.0) > 1e-6
+    growing[(k == 0) & (np.abs(n) == 1)] = False
+    assert wrinkles.points[0].spectrum.n_unstable == growing.sum() - (1 if growth_rate(0, 0, 199.5, -1.0) > 0 else 0)
+
+
+def test_max_points_counts_special_points_and_what_is_resumed_goes_on_with_the_next():
+    whole = ring_branch(*LONG, branch_options(max_points=11))
+    part = ring_branch(*LONG, branch_options(max_points=4))
+    assert [len(part.points), part.kinds(3)] == [4, ["bp", "end"]]
+    while len(part.points) < 10:
+        before = len(part.points)
+        part = ring_resumed(part, branch_options(max_points=4))
+        assert len(part.points) == before + 3
+    ends = [[(s.block, s.change) for s in found.find("bp")[:9]] for found in (whole, part)]
+    assert ends[0] == ends[1]
+    for one, two in zip(whole.find("bp"), part.find("bp"), strict=False):
+        assert part.at(two).observables["v"] == pytest.approx(whole.at(one).observables["v"], abs=1e-11)
+
+
+def test_the_accuracy_of_a_spectrum_is_found_once_however_many_blocks_it_has(monkeypatch):
+    counted = planar_spectrum(exact_profile(ring_at(3, "v", 0.9), 0.0), 30.0)
+    zero, asked = counted.neutral, []
+    monkeypatch.setattr(type(counted), "neutral", property(lambda _: asked.append(1) or zero))
+    by_hand = sum(b.multiplicity * sum(float(rate) > zero for rate in rates) for b, rates in counted.rates.items())
+    assert (counted.n_unstable, len(asked)) == (by_hand, 1)
+
+
+@pytest.mark.parametrize(("c0", "n", "length"), [(0.48, 40, 3.0), (-50.0, 20, 2.0), (12.0, 6, 8.0)])
+def test_growth_rates_of_many_lobes_have_the_rounding_of_few_points(c0, n, length):
+    """Where rings branch off they are those of the circle, in closed form."""
+    lambda2 = (n**2 - 1) / 2
+
+    def circle(sigma):
+        return np.column_stack((math.pi / n * sigma, np.ones_like(sigma), np.zeros_like(sigma)))
+
+    found = planar_spectrum(PlaneProfile(circle, n, c0, 0.25 - lambda2 - c0**2, lambda2), length)
+    for block, rates in found.rates.items():
+        if block.j == 0 or (block.parity == "odd" and block.c == 0):
+            continue  # rigid motions and constraints, and waves of which the one that is constant around is none
+        around = block.c + n * np.arange(-9, 10)
+        largest = growth_rate(2 * math.pi * block.j / length, around, lambda2, c0).max()
+        assert rates[0] == pytest.approx(largest, rel=1e-12, abs=1e-15 * (8 * n) ** 4)
+    assert found.points == 16

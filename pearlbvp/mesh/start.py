@@ -18,7 +18,7 @@ from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem, about, with_phases
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.theory.amplitude import linear
-from pearlbvp.theory.dispersion import critical_lambda2
+from pearlbvp.theory.dispersion import onset_lambda2
 from pearlbvp.units import Sentence
 
 Form = Literal["pearl", "ring", "coil", "buckle"]
@@ -126,9 +126,7 @@ def branch_point(
     Raises:
         InputError: there is no such branch point, or the mesh is too coarse for the mode.
     """
-    near = float(critical_lambda2(2 * math.pi * m / mesh.length, n, c0))
-    if not math.isfinite(near):
-        raise InputError(f"mode: {m, n} branches off nowhere; give another mode")
+    near = onset_lambda2(Tube(c0, mesh.length), m, n)
     wave, edge = 2 * math.pi / math.hypot(2 * math.pi * m / mesh.length, n), float(mesh.edge_lengths.mean())
     if wave < 2 * edge:
         text = f"mode: {m, n} has waves shorter than two edges of the mesh, {{edge:.2g}}; give more nodes"

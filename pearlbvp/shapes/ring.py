@@ -217,7 +217,7 @@ class RingProblem(MembraneProblem):
         profile, points = self.profile(u), 256 * self.n
         sigma = (np.arange(points) + 0.5) * 2 * self.n / points  # a waist that touches the centre is none of them
         step = 1j * np.exp(1j * profile.at(sigma)[:, 0]) * 2 * math.pi / points
-        return of_section(profile.curve(sigma), step).wave(0.0, (0, 4 * self.n))
+        return of_section(profile.curve(sigma), step).wave(0.0, (0, 4), fold=self.n)
 
     def to_draw(self, u: Array) -> Grid:
         """The cylinder over the section."""

@@ -14,8 +14,9 @@ a Hermitian matrix ``M + k^2 S - k^4/2``, so that one pair of matrices serves al
 which the largest eigenvalues of ``M`` and ``S`` together fall below ``k^4/2``.
 
 Waves are discretized by Fourier series on equidistant points of one lobe. Those of class ``c`` turn by ``2 pi c/n`` from lobe
-to lobe; where that is 0 or pi they are even or odd about the tips. The two translations across (class 1) and the rotation
-(``kappa'``, class 0, odd) are exact kernels at ``k = 0``.
+to lobe; where that is 0 or pi they are even or odd about the tips. As the lobe is even about its tip, the matrices of their
+coefficients are real in every class. The two translations across (class 1) and the rotation (``kappa'``, class 0, odd) are
+exact kernels at ``k = 0``.
 """
 
 from __future__ import annotations
@@ -150,28 +151,36 @@ class PlanarVariation:
         count = points + points % 2
         return cls(profile, *profile.at(2 * (np.arange(count) + 0.5) / count).T)
 
-    def matrices(self, c: int, parity: str | None) -> tuple[NDArray[Any], NDArray[Any]]:
+    def waves(self, c: int, parity: str | None) -> tuple[NDArray[Any], NDArray[Any], Array]:
+        """Unit waves of a class, their derivatives and numbers, at the points (the first half of them with a parity)."""
+        wave, slope, per_lobe = waves(len(self.kappa), PlanarBlock(0, c, self.profile.n, parity).theta, parity)
+        number = per_lobe * self.profile.n / (2 * math.pi)
+        return wave, slope * number, number
+
+    def matrices(self, c: int, parity: str | None) -> tuple[Array, Array]:
         """``M`` and ``S`` of a class: its rates at wave number ``k`` are those of ``M + k^2 S - k^4/2``.
 
-        They act on ``w`` at the points, at the first half of them with a parity.
+        They act on the coefficients of ``w`` in the class's ``waves``.
         """
         profile = self.profile
-        block = PlanarBlock(0, c, profile.n, parity)
-        wave, slope_wave, per_lobe = waves(len(self.kappa), block.theta, parity)
+        wave, derivative, number = self.waves(c, parity)
         here = slice(None, len(wave))
         kappa, slope = self.kappa[here], self.slope[here]
         bend = -(kappa**3) / 2 + profile.a * kappa + 2 * profile.lambda2  # kappa''
         f = kappa**2 / 2 - profile.a
-        number = per_lobe * profile.n / (2 * math.pi)
-        derivative = (slope_wave * number) @ wave.conj().T
-        bending = (wave * -(number**2)) @ wave.conj().T + np.diag(kappa**2)
         value = -f * kappa**2 / 2 - kappa * bend - slope**2 / 2
-        at_rest = (derivative.conj().T @ (f[:, None] * derivative) - bending.conj().T @ bending) / 2 + np.diag(value)
-        by_square = bending + np.diag(f / 2 + (2 * profile.c0 - kappa) * kappa)
-        return (at_rest + at_rest.conj().T) / 2, (by_square + by_square.conj().T) / 2
+
+        def product(factor: Array) -> Array:
+            return np.asarray((wave.conj().T @ (factor[:, None] * wave)).real)
+
+        bending = product(kappa**2) - np.diag(number**2)
+        stretching = (derivative.conj().T @ (f[:, None] * derivative)).real
+        at_rest = (stretching - bending.T @ bending) / 2 + product(value)
+        by_square = bending + product(f / 2 + (2 * profile.c0 - kappa) * kappa)
+        return (at_rest + at_rest.T) / 2, (by_square + by_square.T) / 2
 
     def kernels(self, c: int, parity: str | None) -> list[Array]:
-        """Rigid motions of a class at ``k = 0``, as unit vectors at its points."""
+        """Rigid motions of a class at ``k = 0``, as unit vectors of coefficients."""
         translation, found = np.exp(1j * self.psi), []
         if c == 0 and parity == "odd" and np.abs(self.slope).max() > 1e-6:
             found.append(self.slope)  # -p times the normal part of a rotation; on the circle there is none
@@ -179,22 +188,26 @@ class PlanarVariation:
             found.append(translation)
         elif c == 1:
             found.append(translation.real if parity == "even" else translation.imag)
-        size = len(self.psi) if parity is None else len(self.psi) // 2
-        return [vector[:size] / np.linalg.norm(vector[:size]) for vector in found]
+        coefficients = [self._coefficients(vector, c, parity) for vector in found]
+        return [vector / np.linalg.norm(vector) for vector in coefficients]
+
+    def _coefficients(self, values: NDArray[Any], c: int, parity: str | None) -> Array:
+        """Of values at all points in the waves of a class."""
+        wave = self.waves(c, parity)[0]
+        return np.asarray((wave.conj().T @ values[: len(wave)]).real)
 
     def constraints(self, c: int, parity: str | None, fixed: Fixed) -> list[Array]:
         """What perturbations at ``k = 0`` are orthogonal to: changes of area and volume, where the class has any."""
         if c or parity != "even" or fixed == "nothing":
             return []
-        half = self.kappa[: len(self.kappa) // 2]
-        return [half] if fixed == "area" else [half, np.ones_like(half)]
+        by_area, by_volume = (self._coefficients(by, c, parity) for by in (self.kappa, np.ones_like(self.kappa)))
+        return [by_area] if fixed == "area" else [by_area, by_volume]
 
     def rates_at(self, c: int, parity: str | None, k: Array, fixed: Fixed = "area and volume") -> list[Array]:
         """Growth rates at wave numbers ``k``, shape (J,), each largest first; at ``k = 0`` without rigid motions."""
         at_rest, by_square = self.matrices(c, parity)
-        square = np.square(k)[:, None, None]
-        identity = np.eye(len(at_rest))
-        moving = np.linalg.eigvalsh(at_rest + square * by_square - square**2 / 2 * identity)[:, ::-1]
+        square = np.square(k)[:, None]
+        moving = np.linalg.eigvalsh(at_rest + square[:, None] * by_square)[:, ::-1] - square**2 / 2
         found = list(moving)
         for place in np.flatnonzero(k == 0):
             normals = [*self.kernels(c, parity), *self.constraints(c, parity, fixed)]
@@ -225,18 +238,34 @@ _KEPT = 8
 """Growth rates kept of each block, besides the positive ones."""
 
 
-def resolved(
-    profile: PlaneProfile, *, tolerance: float = 1e-9, points: int = 32, max_points: int = 512
-) -> tuple[PlanarVariation, float]:
+FEW, USUAL = 16, 32
+"""Points of a lobe to begin with."""
+
+
+def _enough(profile: PlaneProfile, tolerance: float) -> int:
+    """Points of a lobe to begin with.
+
+    Where there are many lobes, the rounding of the highest waves' fourth derivatives is what limits rates on the usual points:
+    it shows in the lower ones, and nothing is won by such waves if what can grow is far below them.
+    """
+    rounding = np.finfo(float).eps * (profile.n * USUAL / 2) ** 4 / 2
+    if rounding < tolerance:
+        return USUAL
+    kappa = profile.at(np.linspace(0.0, 1.0, USUAL))[:, 1]
+    # On a circle no wave grows whose number is larger: the quadratic form there, with the largest coefficients here.
+    fastest = math.sqrt(1 + max(0.0, *(kappa**2 / 2 - profile.a)) + 2 * max(0.0, *((2 * profile.c0 - kappa) * kappa)))
+    return min(USUAL, max(FEW, 8 + 4 * math.ceil(fastest / profile.n)))
+
+
+def resolved(profile: PlaneProfile, *, tolerance: float = 1e-9, max_points: int = 512) -> tuple[PlanarVariation, float]:
     """The second variation on as many points as make rigid motions kernels to ``tolerance``, and how well they are.
 
     Args:
         profile: the curve.
-        tolerance: for the residual of the exact kernels.
-        points: of a lobe to begin with; doubled as long as that helps.
-        max_points: the most to go to.
+        tolerance: for the residual of the exact kernels; points are doubled as long as that helps.
+        max_points: of a lobe, the most to go to.
     """
-    variation = PlanarVariation.of(profile, points)
+    variation = PlanarVariation.of(profile, _enough(profile, tolerance))
     residual = variation.residual()
     while residual > tolerance and 2 * len(variation.psi) <= max_points:
         finer = PlanarVariation.of(profile, 2 * len(variation.psi))

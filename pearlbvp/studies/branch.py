@@ -50,6 +50,7 @@ def branch_options(
     step: float | None = None,
     max_step: float = 0.5,
     progress: Callable[[Branch[Any]], None] = lambda branch: None,
+    locating: Callable[[int, int], None] = lambda done, of: None,
 ) -> BranchOptions:
     """Options of a branch of any family.
 
@@ -60,7 +61,8 @@ def branch_options(
             saved branch goes on. Several may be given, the first reached counts.
         max_points: end after so many.
         step, max_step: first (by default 0.1 or ``max_step``) and largest step, in the norm of shape and parameters.
-        progress: called with the branch so far after each step.
+        progress: called with the branch so far after each point.
+        locating: called while special points are located, with how many are and how many there are in the step.
 
     Raises:
         InputError: an argument that cannot be used.

@@ -224,7 +224,7 @@ def _primary(tube: Tube, family: str, mode: WaveNumbers, options: BranchOptions)
     try:
         return family_branch(tube, family, mode, options)
     except InputError as error:
-        return str(error)
+        return error.args[0]
 
 
 def _secondary(branch: Branch[Any], number: int, centre: Any, options: BranchOptions) -> Branch[Any] | str:
@@ -232,7 +232,7 @@ def _secondary(branch: Branch[Any], number: int, centre: Any, options: BranchOpt
     try:
         return switched(branch, number, options, centre=centre)
     except InputError as error:
-        return str(error)
+        return error.args[0]
 
 
 def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, str]]:

@@ -137,10 +137,11 @@ class AmplitudeEquation:
         for m, n in ((2 * self.m, 2 * self.n), *(((2 * self.m, 0), (0, 2 * self.n)) if self.m and self.n else ())):
             size = (self.tube.wave_number(m) ** 2 + n**2) ** 2
             if abs(self._rate(m, n)) < RESONANT * (1 + size):
-                raise InputError(
-                    f"mode: ({self.m},{self.n}) meets ({m},{n}), which it excites, at lambda2 = {self.lambda2:.6g} on "
-                    f"L = {self.tube.length:g}; its equation alone does not hold there: change c0 or the length a little"
+                text = (
+                    f"mode: ({self.m},{self.n}) meets ({m},{n}), which it excites, at lambda2 = {{lambda2:.6g}} on "
+                    "L = {L:g}; its equation alone does not hold there: change c0 or the length a little"
                 )
+                raise InputError(Sentence(text, lambda2=self.lambda2, L=self.tube.length))
 
     @cached_property
     def k(self) -> float:

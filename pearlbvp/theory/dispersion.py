@@ -17,6 +17,12 @@ from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, finite
 from pearlbvp.units import Sentence
 
+LARGEST_LAMBDA2 = 1e6
+"""Beyond, onsets are too far from the tube's own scale to compute with: pearls next to ``k = 1``, and very short waves."""
+
+SHORT_PERIOD = 0.2
+"""Short waves whose branches, and their stability, are computed without trouble."""
+
 
 def growth_rate(k: ArrayLike, n: ArrayLike, lambda2: ArrayLike, c0: float) -> NDArray[np.float64]:
     """Growth rate ``mu(k, n, lambda2)`` of a mode of the cylinder; positive means unstable. Broadcasts."""

@@ -55,7 +55,7 @@ class Resonance:
         m: waves of the longer of the two; the other has ``2m``.
 
     Raises:
-        InputError: on construction: no whole number of waves, or ``k = 1`` for one of the two.
+        InputError: on construction: no whole number of waves, or one of the two has no branch (``k = 1``).
     """
 
     tube: Tube
