@@ -60,8 +60,8 @@ def whole(name: str, value: float, least: float = 1) -> int:
     Raises:
         InputError: it is no whole number, or below the least that there may be; the message names the argument.
     """
-    number = finite(name, value)
-    if number != int(number) or number < least:
+    number = math.nan if isinstance(value, str) else finite(name, value)  # type: ignore[unreachable]
+    if not (number == math.floor(number) if math.isfinite(number) else False) or number < least:
         bound = f", {least} or more" if math.isfinite(least) else ""
         raise InputError(f"{name}: {value!r} must be a whole number{bound}; give one like {max(least, 2)}")
     return int(number)

@@ -15,7 +15,7 @@ import numpy as np
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.problem import Problem
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed, Tube, WaveNumbers
+from pearlbvp.helfrich import Fixed, Tube, WaveNumbers, finite
 
 if TYPE_CHECKING:
     from pearlbvp.mesh.periodic import PeriodicMesh
@@ -125,7 +125,7 @@ def checked_tolerance(tolerance: float | None, usual: float) -> float:
     Raises:
         InputError: it is too fine for the arithmetic, or too coarse.
     """
-    if tolerance is not None and not 1e-13 <= tolerance <= 1e-3:
+    if tolerance is not None and not 1e-13 <= finite("tolerance", tolerance) <= 1e-3:
         raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3; give one like {usual:g}")
     return usual if tolerance is None else tolerance
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
-from pearlbvp.studies.branch import branch_options, pearl_branch
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.theory.dispersion import (
     critical_lambda2,
@@ -175,7 +175,7 @@ def test_pearls_as_long_as_the_tube_is_around_are_refused_as_such(m, away, radiu
     found = numbers_in(said)
     assert f"mode ({m},0)" in said
     assert (found["L"], found["k"] * radius) == pytest.approx((tube.length * radius, 1 / (1 + away)), rel=1e-11)
-    branch = pearl_branch(-1.0, found["like"] / radius, m, branch_options(max_points=3))
+    branch = family_branch(Tube(-1.0, found["like"] / radius), "pearl", (m, 0), branch_options(max_points=3))
     assert len(branch.points) == 3
 
 

@@ -274,7 +274,7 @@ def test_lengths_in_every_form():
         ("c0,period,L,v_x\n0.48,7.5,16,2\n", "no row of the file agrees"),
         ("c0,period,L,v_x\n0.3,7.5,15,2\n", "no row of the file agrees"),
         ("\ufeffc0,period,L,v_x\n0.3,7.5,15,2\n", "no row of the file agrees"),
-        ("c0,period,L,v_x\n,7.5,15,2\n", "no row of the file agrees"),
+        ("c0,period,L,v_x\n,7.5,15,2\n", "an empty entry in column c0"),
         ("c0,period,L,v_x\n0.48,7.5,15,2\n0.48,7.5,15,3\n", "two rows"),
     ],
 )

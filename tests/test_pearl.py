@@ -112,7 +112,7 @@ def test_first_pearls_have_the_amplitude_equation_s_shape():
 
 
 def test_no_pearls_at_k_equal_to_one():
-    with pytest.raises(ValueError, match="^period: .*2 pi"):
+    with pytest.raises(ValueError, match="^mode: .*circumference"):
         pearling_onset(Tube(0.3, 2 * np.pi))
 
 

@@ -370,7 +370,7 @@ def test_every_special_point_of_a_long_ring_is_a_point_shown_when_it_is_located(
     shown, located = [], []
     options = branch_options(max_points=11, progress=lambda so_far: shown.append(len(so_far.points)),
                              locating=lambda done, of: located.append((done, of)))  # fmt: skip
-    wrinkles = ring_branch(*LONG, options)
+    wrinkles = family_branch(Tube(*LONG[:2]), "ring", (0, LONG[2]), options)
     assert shown == list(range(2, 12))
     assert located == [(done, 9) for done in range(9)]
     for lost in wrinkles.find("bp"):  # each is neutral on the exact ring of its volume, with another number of points
@@ -387,25 +387,17 @@ def test_every_special_point_of_a_long_ring_is_a_point_shown_when_it_is_located(
 
 
 def test_max_points_counts_special_points_and_what_is_resumed_goes_on_with_the_next():
-    whole = ring_branch(*LONG, branch_options(max_points=11))
-    part = ring_branch(*LONG, branch_options(max_points=4))
+    whole = family_branch(Tube(*LONG[:2]), "ring", (0, LONG[2]), branch_options(max_points=11))
+    part = family_branch(Tube(*LONG[:2]), "ring", (0, LONG[2]), branch_options(max_points=4))
     assert [len(part.points), part.kinds(3)] == [4, ["bp", "end"]]
     while len(part.points) < 10:
         before = len(part.points)
-        part = ring_resumed(part, branch_options(max_points=4))
+        part = resumed(part, branch_options(max_points=4))
         assert len(part.points) == before + 3
     ends = [[(s.block, s.change) for s in found.find("bp")[:9]] for found in (whole, part)]
     assert ends[0] == ends[1]
     for one, two in zip(whole.find("bp"), part.find("bp"), strict=False):
         assert part.at(two).observables["v"] == pytest.approx(whole.at(one).observables["v"], abs=1e-11)
-
-
-def test_the_accuracy_of_a_spectrum_is_found_once_however_many_blocks_it_has(monkeypatch):
-    counted = planar_spectrum(exact_profile(ring_at(3, "v", 0.9), 0.0), 30.0)
-    zero, asked = counted.neutral, []
-    monkeypatch.setattr(type(counted), "neutral", property(lambda _: asked.append(1) or zero))
-    by_hand = sum(b.multiplicity * sum(float(rate) > zero for rate in rates) for b, rates in counted.rates.items())
-    assert (counted.n_unstable, len(asked)) == (by_hand, 1)
 
 
 @pytest.mark.parametrize(("c0", "n", "length"), [(0.48, 40, 3.0), (-50.0, 20, 2.0), (12.0, 6, 8.0)])

@@ -254,7 +254,7 @@ def test_the_diagram_of_a_tube_is_that_of_its_study(capsys, tmp_path):
     [
         ([], "FILE, --c0, --length: "),
         (["--c0", "0"], "FILE, --c0, --length: "),
-        (["pearl", "--depth", "1"], "--depth: it is for branches that are computed"),
+        (["pearl", "--depth", "1"], "--depth: it does not go with FILE.h5; leave one of the two out"),
         (["pearl", "--x", "critical"], "--x: 'critical' is no column with numbers"),
         (["pearl", "pearl"], "is given twice"),
         (["--c0", "0", "--length", "10", "--y", "e"], "--y: 'e' is no column with numbers"),

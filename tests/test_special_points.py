@@ -36,7 +36,6 @@ class Spectral(Curve):
 
     trivial_block = "own"
     conserved = "y"
-    constant = ()
 
     def poles(self, u):
         return {}

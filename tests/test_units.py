@@ -311,7 +311,7 @@ def test_mistakes_are_said_in_the_user_s_unit(capsys, saved):
     for arguments, words in (
         (["localized", "--c0", 0.48 / R, "--period", 7.5 * R, "--lengths", 31 * R],
          f"--lengths: {31 * R:g} units is no multiple of the period {7.5 * R:g}; the nearest is {30 * R:.12g}"),
-        (["branch", "pearl", "--c0", 0, "--length", 2 * np.pi * R], f"on L = {2 * np.pi * R:g} have k = {1 / R:g}"),
+        (["branch", "pearl", "--c0", 0, "--length", 2 * np.pi * R], f"(k = {1 / R:.12g})"),
         (["branch", "coil", "--c0", 0, "--length", 1e6 * R, "--nodes", 500], f"--length: {1e6 * R:g} units are too long"),
         (["flow", "--c0", 0.48 / R, "--length", 7 * R, "--point", f"E={u(100, BY_AREA)}", "--time", 1],
          f"--point: E = {100 * R**BY_AREA:.9g} is not reached"),

@@ -80,7 +80,7 @@ def test_pearls_stop_at_constant_mean_curvature():
 def test_a_resumed_branch_goes_on_to_the_next_special_point(tmp_path):
     first = family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"bp": 1}))
     save(first, tmp_path / "b.h5")
-    second = resumed(load(tmp_path / "b.h5"), branch_options({"bp": 1}))
+    second = resumed(load(tmp_path / "b.h5"), branch_options({"bp": 2}))
     at_once = family_branch(Tube(0.48, 30), "pearl", (4, 0), branch_options({"bp": 2}))
     assert [branch.points[-1].observables["v"] for branch in (second, at_once)] == pytest.approx(
         [at_once.points[-1].observables["v"]] * 2, abs=1e-10

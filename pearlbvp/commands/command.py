@@ -35,6 +35,11 @@ def options_given(context: click.Context) -> set[str]:
             if context.get_parameter_source(name) == source and value not in ((), None)}  # fmt: skip
 
 
+def _word(argument: click.Argument) -> str:
+    """An argument as the help writes it, without what says that it may repeat."""
+    return (argument.metavar or str(argument.name).upper()).strip("[]. ")
+
+
 def check_options(context: click.Context) -> None:
     """Refuse options that do not go with each other, or say nothing.
 
@@ -42,7 +47,7 @@ def check_options(context: click.Context) -> None:
         InputError: the option, and what it needs or excludes.
     """
     on_line = options_given(context)
-    typed = {str(param.name): param.human_readable_name.upper() if isinstance(param, click.Argument) else param.opts[0]
+    typed = {str(param.name): _word(param) if isinstance(param, click.Argument) else param.opts[0]
              for param in context.command.params}  # fmt: skip
     for param in context.command.params:
         if not isinstance(param, Option) or param.name not in on_line:

@@ -47,7 +47,7 @@ def following(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--max-step", type=Number(), default=0.5, show_default=True, help="Largest step along the branch."),
         click.option("--step", type=Number(), help="First step along the branch.  [default: 0.1, or the largest]"),
         click.option("--max-points", type=click.IntRange(min=2), default=200, show_default=True,
-                     help="End after so many; special ones come on top."),
+                     help="End after so many new points, special ones and where it goes on from among them."),
         click.option("--until", type=Until(), multiple=True,
                      help="Stop exactly there: v=1.1, or the K-th special point from the branch's start on: bp, bp:2, fold:v, "
                      "fold:v:2, cmc. May be given several times; the first reached counts."),
@@ -116,8 +116,11 @@ class Following:
                 bar.update(len(so_far.points) - bar.n)
                 checkpoint(so_far)
 
+            def locating(done: int, of: int) -> None:
+                bar.set_postfix_str(f"{done} of {of} special points located", refresh=False)
+
             steps = {"max_points": self.max_points, "step": self.step, "max_step": self.max_step}
-            found = follow(branch_options(wanted, progress=count, **steps))  # type: ignore[arg-type]
+            found = follow(branch_options(wanted, progress=count, locating=locating, **steps))  # type: ignore[arg-type]
         return self._written(found, wanted, other_way)
 
     def _written(self, found: Branch[Any], wanted: Mapping[str, float], other_way: str) -> int:

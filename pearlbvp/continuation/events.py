@@ -139,8 +139,21 @@ def _fold(segment: Segment[P], name: str, ends: tuple[float, float]) -> Event[P]
     return _located(segment, f"fold:{name}", lambda p: p.slopes[name], ends, noise=noise)
 
 
-def events_between(first: Solution[P], last: Solution[P], folds: Sequence[str], at_start: bool) -> list[Event[P]]:
-    """Folds and branch points between two consecutive points, in their order."""
+def events_between(
+    first: Solution[P],
+    last: Solution[P],
+    folds: Sequence[str],
+    at_start: bool,
+    locating: Callable[[int, int], None] = lambda done, of: None,
+) -> list[Event[P]]:
+    """Folds and branch points between two consecutive points, in their order.
+
+    Args:
+        first, last: the points.
+        folds: observables whose turning points are located.
+        at_start: the first point is a bifurcation point, and the branch that which starts there.
+        locating: called with the number of growth rates whose zeros were located, and of all that have one.
+    """
     segment = Segment(first, last)
     events: list[Event[P]] = []
     problem = first.problem
@@ -171,7 +184,8 @@ def events_between(first: Solution[P], last: Solution[P], folds: Sequence[str], 
             events.append(_fold(segment, name, ends))
         else:  # energy and volume, say
             events += [replace(event, kind=f"fold:{name}") for event in events[:] if event.point is together][:1]
-    for block, k, before, after in crossings:
+    for done, (block, k, before, after) in enumerate(crossings):
+        locating(done, len(crossings))
         if block == problem.trivial_block and not problem.conserved:
             continue  # stability changes where the branch neither turns nor meets another
         event = _located(

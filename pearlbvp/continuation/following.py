@@ -36,7 +36,8 @@ class BranchOptions:
         folds: observables whose turning points are located, besides those of ``until_special``.
         limit: a reason to end at a solution besides those of its problem, or None; it raises ``SpectrumError`` where something
             is not known well enough.
-        progress: called with the branch so far after each step, to show or to save it.
+        progress: called with the branch so far after each point, special ones too, to show or to save it.
+        locating: called while the special points of a step are located, with how many are and how many there are.
     """
 
     path: PathOptions = field(default_factory=PathOptions)
@@ -45,6 +46,7 @@ class BranchOptions:
     folds: Sequence[str] = ("lambda1", "lambda2", "v", "E")
     limit: Callable[[Solution[Any]], str | None] = lambda point: None
     progress: Callable[[Branch[Any]], None] = lambda branch: None
+    locating: Callable[[int, int], None] = lambda done, of: None
 
     @property
     def watched(self) -> Sequence[str]:
@@ -143,7 +145,7 @@ class _Run(Generic[P]):
                 reason = "a wanted value lies just ahead, but could not be reached; take shorter steps"
                 return self.end(Status.FAILED, reason)
             latest = (point if wanted is None else wanted.point).computed()
-            events = events_between(before, latest, self.watched, at_start)
+            events = events_between(before, latest, self.watched, at_start, options.locating)
             length = _length(before, latest)
             shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
             doubtful = any(_is_doubtful(event, problem, options.until_special) for event in events)
@@ -152,47 +154,43 @@ class _Run(Generic[P]):
                 continue
             if doubtful or length > 4 * tried:  # beyond the place of doubt
                 tried = math.inf
-            self._place(events, latest, length)
-            end = self._ending(events, latest, reached=wanted is not None)
+            end = self._take(events, length) or self._arrive(events, latest, length, reached=wanted is not None)
             if end is not None:
                 return end
 
-    def _place(self, events: list[Event[P]], latest: Solution[P], length: float) -> None:
-        """Located events as points and as special points, one point for those at one place, and the computed point beyond.
+    def _take(self, events: list[Event[P]], length: float) -> Branch[P] | None:
+        """The special points of a step, one point for those at one place; the whole branch, if it ends at one of them."""
+        most = self.options.path.max_points
+        for together in _places(events):
+            self.points.append(together[0].point.computed())
+            self._name(together, length)
+            self.options.progress(self.so_far())
+            if self.so_far().asked(self.options.until_special) is not None:
+                return self.end(Status.REACHED, "the wanted special point is reached")
+            if any(event.kind == "bp" and event.change == 0 for event in together):
+                reason = (
+                    "it meets a more symmetric branch at a pitchfork; beyond, it would repeat its own mirror images"
+                )
+                return self.end(Status.PITCHFORK, reason)
+            if len(self.points) >= most:
+                return self.end(Status.POINTS, f"max_points = {most} reached", MORE)
+        return None
 
-        What was not located is attached to that.
-        """
-        reached, places = -math.inf, []
-        for event in events:
-            if event.converged and event.s - reached > SAME_PLACE:
-                self.points.append(event.point.computed())
-                self.options.progress(self.so_far())  # there may be dozens in a step, and each takes a spectrum
-                reached = event.s
-            places.append(len(self.points) - 1 if event.converged else None)
+    def _name(self, events: list[Event[P]], length: float) -> None:
+        """Events as special points at the latest point; what was not located is attached to the computed point beyond."""
+        index = len(self.points) - 1
+        self.special += [SpecialPoint(e.kind, index, e.block, e.change, e.converged, (0.0, length)) for e in events]
+
+    def _arrive(self, events: list[Event[P]], latest: Solution[P], length: float, reached: bool) -> Branch[P] | None:
+        """The computed point of a step; the whole branch, if it ends there."""
+        options, most = self.options, self.options.path.max_points
         self.points.append(latest)
-        for event, place in zip(events, places, strict=True):
-            index = len(self.points) - 1 if place is None else place
-            self.special.append(
-                SpecialPoint(event.kind, index, event.block, event.change, event.converged, (0.0, length))
-            )
-
-    def _ending(self, events: list[Event[P]], latest: Solution[P], reached: bool) -> Branch[P] | None:
-        """The whole branch, if it ends after a step; else None."""
-        options = self.options
-        asked = self.so_far().asked(options.until_special)
-        if asked is not None:
-            del self.points[asked.index + 1 :]
-            self.special = [s for s in self.special if s.index <= asked.index]
+        self._name([event for event in events if not event.converged], length)
         options.progress(self.so_far())
-        if asked is not None and asked.converged:
-            return self.end(Status.REACHED, "the wanted special point is reached")
+        asked = self.so_far().asked(options.until_special)
         if asked is not None:
             reason = f"the wanted {asked.kind} lies just before, but could not be located; take shorter steps"
             return self.end(Status.FAILED, reason)
-        if any(event.kind == "bp" and event.change == 0 for event in events):
-            del self.points[-1]
-            reason = "it meets a more symmetric branch at a pitchfork; beyond, it would repeat its own mirror images"
-            return self.end(Status.PITCHFORK, reason)
         if reached:
             walls = latest.problem.walls.items()
             wall = next((why for name, (at, why) in walls if abs(latest.value(name) - at) < WALL), None)
@@ -202,17 +200,30 @@ class _Run(Generic[P]):
         limit = latest.problem.limit(latest.observables, latest.spectrum) or options.limit(latest)
         if limit is not None:
             return self.end(Status.LIMIT, limit)
-        if len(self.points) >= options.path.max_points:
-            reason = f"max_points = {options.path.max_points} reached"
-            return self.end(Status.POINTS, reason, "; resume the branch or ask for more")
-        return None
+        return self.end(Status.POINTS, f"max_points = {most} reached", MORE) if len(self.points) >= most else None
 
+
+MORE = "; resume the branch or ask for more"
+"""Advice where a branch has as many points as it may have."""
 
 WALL = 1e-9
 """Distance of an observable from its wall that is none."""
 
 SAME_PLACE = 1e-6
 """Special points nearer to each other than this in arclength are one (energy and volume turn together, say)."""
+
+
+def _places(events: list[Event[P]]) -> list[list[Event[P]]]:
+    """Located events in order, those at one place together."""
+    places: list[list[Event[P]]] = []
+    for event in events:
+        if not event.converged:
+            continue
+        if places and event.s - places[-1][0].s <= SAME_PLACE:
+            places[-1].append(event)
+        else:
+            places.append([event])
+    return places
 
 
 def _refuse_constant(start: Solution[Any], options: BranchOptions) -> None:

@@ -59,7 +59,7 @@ def branch_options(
             ``{"bp": 1}`` for the first branch point, ``{"fold:v": 2}``, ``{"cmc": 1}``, ``{"fold": 1}`` for the first fold of
             any. Special points are counted from the branch's start (``shape_branch``: from the shape, either way), also where a
             saved branch goes on. Several may be given, the first reached counts.
-        max_points: end after so many.
+        max_points: end after so many, start and special points among them.
         step, max_step: first (by default 0.1 or ``max_step``) and largest step, in the norm of shape and parameters.
         progress: called with the branch so far after each point.
         locating: called while special points are located, with how many are and how many there are in the step.
@@ -87,7 +87,7 @@ def branch_options(
         raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}; give one between")
 
     path = PathOptions(step=step, max_step=max_step, max_points=max_points)
-    return BranchOptions(path=path, until=wanted, until_special=special, progress=progress)
+    return BranchOptions(path=path, until=wanted, until_special=special, progress=progress, locating=locating)
 
 
 def known_options(options: BranchOptions | None) -> BranchOptions:
@@ -193,6 +193,7 @@ def family_branch(
     options = known_options(options)
     choice("fixed", fixed, get_args(Fixed))
     mode = families.family(family).mode if mode is None else mode_numbers("mode", mode)
+    nodes = None if nodes is None else whole("nodes", nodes)
     if nodes is not None:
         problem, u, direction = _on_a_mesh(tube, family, mode, nodes, discretization or "subdivision", fixed, adapt)
     elif discretization == "modes":

@@ -14,9 +14,9 @@ from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.events import SAME_VALUE
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import finite
+from pearlbvp.helfrich import finite, whole
 from pearlbvp.mesh.periodic import PeriodicMesh
-from pearlbvp.studies.branch import STOPS, known_branch
+from pearlbvp.studies.branch import STOPS, known_branch, known_point
 from pearlbvp.studies.mesh import NODES
 from pearlbvp.studies.point import special_place
 
@@ -99,8 +99,7 @@ def profile_table(point: Solution[Any], samples: int = SAMPLES) -> pd.DataFrame:
     Raises:
         InputError: the shape is made of no single curve.
     """
-    if samples < 4:
-        raise InputError(f"samples: {samples} are no curve; give 4 or more")
+    point, samples = known_point(point), whole("samples", samples, 4)
     columns: dict[str, Array] = point.problem.shapes.curve(point.u, samples)
     return pd.DataFrame(columns)
 
@@ -116,6 +115,7 @@ def surface_table(point: Solution[Any], nodes: int = NODES) -> pd.DataFrame:
         ``x, y, z, i, j``, of meshes ``x, y, z``. The grid is closed: its last column is the first, its last row the first
         one a period further.
     """
+    point, nodes = known_point(point), whole("nodes", nodes)
     problem = point.problem.shapes
     own: PeriodicMesh | None = problem.own_mesh(point.u)
     if own is not None:

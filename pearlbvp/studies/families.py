@@ -48,14 +48,14 @@ def family(name: str) -> Family:
     Raises:
         InputError: there is none.
     """
+    if name not in tuple(names()):
+        raise InputError(f"family: {name!r} is none; choose one of {', '.join(names())}")
     if name in ROOMS:
         return next(found for found in import_module(ROOMS[name]).FAMILIES if found.name == name)
     if name not in _added:
         for entry in entry_points(group=GROUP):
             if entry.name == name:
                 register(entry.load())
-    if name not in _added:
-        raise InputError(f"family: {name!r} is none; choose one of {', '.join(names())}")
     return _added[name]
 
 

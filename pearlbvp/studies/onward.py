@@ -133,7 +133,7 @@ def _varying(branch: Branch[Any], vary: str) -> str:
         InputError: another name, or a branch of rings.
     """
     problem = known_branch(branch).points[0].problem.shapes
-    if vary in problem.may_vary:
+    if vary in tuple(problem.may_vary):  # what is no name is refused below
         return str(problem.may_vary[vary])
     if vary not in ("c0", "L"):
         raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L (lambda2 and v vary on every branch)")

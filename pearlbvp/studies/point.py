@@ -11,6 +11,7 @@ from pearlbvp.continuation.segment import Segment
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
+from pearlbvp.studies.branch import known_branch
 from pearlbvp.units import Sentence
 
 SAMPLES = {
@@ -65,7 +66,7 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Solution[An
     Raises:
         InputError: there is no such point.
     """
-    points = [entry for entry in branch.points]
+    points, name = known_branch(branch).points, str(name)
     try:
         number = int(name)
     except ValueError:

@@ -23,6 +23,7 @@ import numpy as np
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, choice, cylinder_energy, cylinder_lambda1, mode_numbers
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, mode_type, onset_lambda2, stable_interval
+from pearlbvp.units import Sentence
 
 Family = Literal["pearl", "ring", "coil", "buckle"]
 FAMILIES: dict[str, tuple[Family, ...]] = {

@@ -47,27 +47,52 @@ def critical_lambda2(k: ArrayLike, n: ArrayLike, c0: float) -> NDArray[np.float6
     return critical
 
 
-LARGEST_MULTIPLIER = 1e6
-"""Multipliers beyond which neither branches nor their stability have digits."""
-
-
 def onset_lambda2(tube: Tube, m: int, n: int) -> float:
-    """The ``lambda2`` at which a mode branches off a tube.
+    """The ``lambda2`` at which a mode's branches leave a straight tube.
 
     Raises:
-        InputError: it branches off nowhere, or so far that nothing can be computed there.
+        InputError: none do, or so far away that nothing can be computed there; the remedy is a length, or a number of waves.
     """
+    if m < 0 or n < 0 or (m, n) in ((0, 0), (0, 1)):
+        raise InputError(
+            f"mode: ({m},{n}) is no bifurcation but a change of radius or a shift of the tube; give m,0 with m >= 1, "
+            "0,n with n >= 2, or m,n with both >= 1"
+        )
     k = tube.wave_number(m)
-    found = float(critical_lambda2(k, n, tube.c0))
-    if abs(found) < LARGEST_MULTIPLIER:  # not a number included
-        return found
-    if n == 0 and abs(k - 1) < 1e-3:
-        text = f"mode: the period of {m} pearls on L = {{L:.9g}} {{L_unit}} is the tube's circumference"
-        text += ", where pearls branch off nowhere; change mode or length"
-        raise InputError(Sentence(text, L=tube.length))
-    text = f"mode: {m},{n} on L = {{L:.6g}} {{L_unit}} has k = {{k:.4g}} {{k_unit}} and branches off at lambda2 = "
-    text += "{lambda2:.3g}, where nothing can be computed; give fewer waves, or a longer tube"
-    raise InputError(Sentence(text, L=tube.length, k=k, lambda2=found))
+    critical = float(critical_lambda2(k, n, tube.c0))
+    if abs(critical) < LARGEST_LAMBDA2:
+        return critical
+    if n == 0 and k < 2:
+        raise InputError(_next_to_one(tube, m))
+    raise InputError(_too_short(tube, m, n, critical))
+
+
+def _next_to_one(tube: Tube, m: int) -> Sentence:
+    """What is wrong with pearls whose period is the tube's circumference: their ``lambda2`` is a pole."""
+    k = tube.wave_number(m)
+    nearness = "{k:g}" if k == 1 else "{k:.12g}"
+    return Sentence(
+        f"mode: pearls of mode ({m},0) on L = {{L:.12g}} have the circumference of the tube as their period (k = {nearness}), "
+        "where none branch off; give another length, like {length:.4g}",
+        L=tube.length,
+        k=k,
+        length=2 * math.pi * m * 1.1,
+    )
+
+
+def _too_short(tube: Tube, m: int, n: int, critical: float) -> Sentence:
+    """What is wrong with waves that branch off at a ``lambda2`` of the size of their number's square."""
+    around = n**2 > LARGEST_LAMBDA2  # these alone are half of it
+    return Sentence(
+        f"mode: waves ({m},{n}) on L = {{L:.6g}} are {{period:.3g}} long, so short that they branch off at lambda2 = "
+        "{lambda2:.3g}, beyond {pressure:.3g}; "
+        + ("give fewer waves around the tube" if around else "give a longer tube, like {length:.3g}"),
+        L=tube.length,
+        period=2 * math.pi / math.hypot(tube.wave_number(m), n),
+        lambda2=critical,
+        pressure=LARGEST_LAMBDA2,
+        length=SHORT_PERIOD * m,
+    )
 
 
 def mode_type(m: int, n: int) -> str:
