@@ -78,6 +78,10 @@ SLOW = 1e3
 NEXT = 1e-13
 """Relative difference of two times that IDA can tell apart."""
 
+STANDING, MOST_STANDING = 1e-12, 200
+"""Length of steps by the time reached, and how many of such in a row are no progress: before a shape that cannot be evaluated IDA
+may creep on for ever."""
+
 RESTARTS = 4
 """Failures of IDA in a row, each followed by a fresh start at low order, after which a flow is stalled."""
 
@@ -196,7 +200,7 @@ class _Run:
         self.state, self.options = state, options
         self.begun = self.saved = time.monotonic()
         self.rest, self.least = _Rest(options.velocity), math.inf
-        self.failures = self.steps = 0
+        self.failures = self.steps = self.standing = 0
         self._restart(state)
 
     def _restart(self, state: FlowState) -> None:
@@ -226,6 +230,9 @@ class _Run:
         if not found.success or not np.isfinite(y).all() or not np.isfinite(yp).all() or found.t <= self.state.t:
             return self._failed(str(found.message))
         self.failures = 0
+        self.standing = self.standing + 1 if found.t - self.state.t < STANDING * found.t else 0
+        if self.standing > MOST_STANDING:
+            return self._given_up("its steps have become so short that time stands still")
         state, size = self.state, len(self.state.q)
         problem, q = state.problem, constrained(state.problem, y[:size], state.kept)
         self.state = replace(state, t=float(found.t), q=q, rate=yp[:size], multipliers=y[size:])
@@ -252,12 +259,16 @@ class _Run:
         """After a failure the integrator starts afresh from the last accepted shape, a few times."""
         self.failures += 1
         if self.failures > RESTARTS:
-            trouble = self.state.problem.trouble(self.state.q)
-            reason = Sentence.joined(f"the solver gave up ({message})", *(("; ", trouble.place) if trouble else ()))
-            return _Ending("stalled", reason, "loosen rtol, or take more points")
+            return self._given_up(message)
         rate, multipliers, _ = first_rates(self.state.problem, self.state.q)
         self._restart(replace(self.state, rate=rate, multipliers=multipliers))
         return None
+
+    def _given_up(self, message: str) -> _Ending:
+        """The integrator cannot go on."""
+        trouble = self.state.problem.trouble(self.state.q)
+        reason = Sentence.joined(f"the solver gave up ({message})", *(("; ", trouble.place) if trouble else ()))
+        return _Ending("stalled", reason, "loosen rtol, or take more points")
 
     def _remeshed(self) -> _Ending | None:
         """Go on in other coordinates where these no longer fit."""
