@@ -333,6 +333,8 @@ def _from_the_cylinder(
     try:
         return tube_branch(tube.c0, tube.length, family, mode, options, fixed=fixed)  # type: ignore[arg-type]
     except InputError as error:  # what the study calls a family is the command's own name: the mode is to be changed
+        if not str(error).startswith("family:"):  # a sentence, perhaps, with numbers in the user's unit
+            raise
         raise InputError(str(error).replace("family:", "--mode:", 1)) from None
 
 
