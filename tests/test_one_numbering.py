@@ -179,9 +179,7 @@ def test_a_branch_that_cannot_begin_is_written_with_advice_that_fits_and_exit_st
         ["coil", "--c0", 0, "--length", 3, "--mode", "10,1"],
         ["buckle", "--c0", -50, "--length", 10],
         ["buckle", "--c0", 0, "--length", 30, "--mode", "1,10"],
-        ["ring", "--c0", 0, "--length", 36, "--mode", "0,40"],
         ["pearl", "--c0", 0, "--length", 0.3, "--mode", "1,0"],
-        ["pearl", "--c0", 50, "--length", 300, "--max-step", 0.01],
     ],
 )
 def test_who_takes_the_advice_gets_on(capsys, words):

@@ -6,10 +6,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from commands import is_png, run
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import pearlbvp.continuation.segment
 import pearlbvp.newton
 from pearlbvp.errors import InputError
+from pearlbvp.figures import canvas
 from pearlbvp.flow.driver import start
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.files import read_mesh
@@ -235,6 +237,43 @@ def test_saved_branches_share_a_table_and_a_picture(capsys, files, tmp_path, rea
         np.testing.assert_allclose(
             table[table.branch == name].lambda2, files[name][1].table().lambda2, rtol=1e-11, atol=1e-14
         )
+
+
+def test_branches_of_different_tubes_say_so_in_one_line_and_in_the_picture(capsys, files, tmp_path, monkeypatch):
+    figures = []
+    monkeypatch.setattr(canvas, "save_figure", lambda figure, path: (figures.append(figure), path.write_bytes(b"")))
+    paths = [files[name][0] for name in ("pearl", "coil", "ring")]
+    plot = ["--plot", tmp_path / "d.png"]
+    _, _, err = run(capsys, "diagram", *paths, "--radius", 0.5, *plot)
+    tubes = {"pearl": "c0 = 0.96, L = 15", "coil": "c0 = 0.96, L = 5", "ring": "c0 = -2, L = 5"}
+    said = "; ".join(f"{name}: {tube}" for name, tube in tubes.items())
+    assert err == f"pearlbvp: the branches are of different tubes: {said}\n"
+    labels = [text.get_text() for text in figures[0].axes[0].get_legend().get_texts()]
+    assert labels == [f"{name} ({tube})" for name, tube in tubes.items()]
+    _, _, err = run(capsys, "diagram", paths[0], files["localized"][0], *plot)
+    assert err == ""
+    assert [text.get_text() for text in figures[1].axes[0].get_legend().get_texts()] == ["pearl", "localized"]
+    run(capsys, "vary", paths[1], "L", "--max-points", 3, "--save", tmp_path / "l.h5")
+    _, _, err = run(capsys, "diagram", tmp_path / "l.h5", paths[1], *plot)
+    assert err == "pearlbvp: the branches are of different tubes: l: L varies; coil: L = 10\n"
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_a_note_of_the_unit_keeps_away_from_the_edge_and_from_the_axes(capsys, files, tmp_path, monkeypatch, name):
+    figures = []
+    monkeypatch.setattr(canvas, "save_figure", lambda figure, path: (figures.append(figure), path.write_bytes(b"")))
+    run(capsys, "show", files[name][0], "--radius", 0.05, "--plot", tmp_path / "b.png")
+    figure = figures[0]
+    FigureCanvasAgg(figure).draw()
+    note = next(text for text in figure.texts if "radius of the straight tube" in text.get_text()).get_window_extent()
+    assert figure.get_figwidth() * figure.dpi - note.x1 > 0.05 * figure.dpi
+    assert (
+        note.x0 - max(axes.get_window_extent().x1 for axes in figure.axes if note.y0 < axes.get_window_extent().y1) > 0
+    )
+    if name == "ring":
+        ticks = figure.axes[3].get_yticks()
+        assert (len(ticks) > 2, 0 in ticks, max(abs(ticks)) < 0.07) == (True, True, True)
+        assert figure.axes[3].get_ylabel() == "z (units)"
 
 
 def test_the_diagram_of_a_tube_is_that_of_its_study(capsys, tmp_path):

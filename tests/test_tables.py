@@ -5,6 +5,7 @@ import pytest
 
 from pearlbvp.errors import InputError
 from pearlbvp.files import MOST_TEXT
+from pearlbvp.studies.reference import read_reference
 from pearlbvp.tables import read_table
 
 EXPECTED = {"x": [0.0, 1.5, -3.0], "r": [1.0, 2.25, 1e-3]}
@@ -52,6 +53,23 @@ def test_one_table_in_many_hands(tmp_path, how):
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig", "latin-1"])
 def test_texts_in_other_encodings(tmp_path, encoding):
     assert read(tmp_path, ("# Länge in µm\n" + PLAIN).encode(encoding)) == EXPECTED
+
+
+@pytest.mark.parametrize("word", ["inf", "-inf", "nan", "NaN", "Infinity", "1e999"])
+def test_numbers_to_compare_with_are_finite(tmp_path, word):
+    """Where none is needed the entry may be empty."""
+    path = tmp_path / "r.csv"
+    path.write_text(f"c0,period,L,v\n0.48,7.5,15,{word}\n")
+    with pytest.raises(
+        InputError, match=rf"^compare: .*'{word}' in column v of row 2, which is not finite; give a number"
+    ):
+        read_reference(path)
+    path.write_text("c0,period,L,v\n0.48,7.5,15,\n")
+    assert read_reference(path).v.isna().all()
+    for columns in (None, ("L", "v")):
+        path.write_text("c0,period,L,v\n0.48,7.5,,\n")
+        with pytest.raises(InputError, match="^compare: .* has an empty entry in column L; give a number there"):
+            read_reference(path, columns)
 
 
 def test_empty_entries_are_not_numbers(tmp_path):

@@ -129,7 +129,7 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units 
         label = f"v = {entry.observables['v']:.4f}"
         axes.text(place * width, -0.65 * width, label, ha="center", va="center", fontsize=8)
     axes.set_yticks(
-        [tick for tick in MaxNLocator(4).tick_values(-reach, reach) if abs(tick) <= reach]
+        [tick for tick in MaxNLocator(2).tick_values(-reach, reach) if abs(tick) <= reach]
     )  # not beside words
     _to_scale(axes, -0.8 * width)
 

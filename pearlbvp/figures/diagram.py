@@ -54,14 +54,19 @@ def draw_plane(table: pd.DataFrame, x: str, y: str, title: str = "", units: Unit
         units: of the table.
     """
     names = list(dict.fromkeys(table["branch"]))
-    names, beside = [str(name) for name in names], len(names) > FEW
+    beside = len(names) > FEW
     figure, axes = new_figure(1, 1, width=9.5 if beside else 7.0, height=4.8)
     several = colormaps["turbo"].resampled(len(names) + 2)
-    tubes = tubes_apart(table)
+    tubes, between = tubes_apart(table), "\n" if beside else " "
     for i, name in enumerate(names):
         colour = COLOURS[i] if len(names) <= len(COLOURS) else to_hex(several(i + 1))
         draw_curve(
-            axes, table[table["branch"] == name], x, y, colour, f"{name} ({tubes[name]})" if tubes else str(name)
+            axes,
+            table[table["branch"] == name],
+            x,
+            y,
+            colour,
+            f"{name}{between}({tubes[str(name)]})" if tubes else str(name),
         )
     dress(
         axes,

@@ -79,8 +79,8 @@ NEXT = 1e-13
 """Relative difference of two times that IDA can tell apart."""
 
 STANDING, MOST_STANDING = 1e-12, 200
-"""Length of steps by the time reached, and how many of such in a row are no progress: before a shape that cannot be evaluated IDA
-may creep on for ever."""
+"""Length of steps by the time reached, and how many of such in a row are no progress: before a shape that cannot be evaluated
+IDA may creep on for ever."""
 
 RESTARTS = 4
 """Failures of IDA in a row, each followed by a fresh start at low order, after which a flow is stalled."""
