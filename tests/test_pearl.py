@@ -33,7 +33,7 @@ def test_axial_force_is_constant_along_every_pearl():
 
 
 def test_energy_pressure_relation():
-    # -2 d(E/A)/dv = lambda2 at fixed A and L (design, §7): by central differences along the branch.
+    # -2 d(E/A)/dv = lambda2 at fixed A and L (docs/theory/model.md): by central differences along the branch.
     followed = pearls.path(0.0, 10.0, 1.3)
     eps = 1e-4
     energy = {}

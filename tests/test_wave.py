@@ -67,7 +67,7 @@ def test_the_wave_is_that_of_the_surface_s_triangles(name):
 
 @pytest.mark.parametrize(("kind", "error"), [("subdivision", 3e-4), ("cotangent", 0.25)])
 def test_equilibria_on_meshes_have_the_wave_of_those_in_reduced_modes(kind, error):
-    """At the same volume; the README has the errors of amplitudes on such meshes."""
+    """At the same volume; docs/meshes.md has the errors of amplitudes on such meshes."""
     point = followed("coil").points[-1]
     problem, u = meshed(point, 500, kind=kind)
     assert problem.largest_wave(u) == pytest.approx(point.problem.largest_wave(point.u), rel=error)

@@ -1,7 +1,8 @@
 """Branch switching: the other branch through a branch point, in the space in which it lives.
 
 A branch that keeps the problem's symmetry crosses in the same space. One that breaks it lives in a larger space: the
-problem embeds its solution there, and the null vector found there is the new branch's tangent (design, §6).
+problem embeds its solution there, and the null vector found there is the new branch's tangent
+(``docs/theory/symmetry_and_blocks.md``).
 """
 
 from __future__ import annotations

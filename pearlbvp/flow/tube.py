@@ -1,8 +1,9 @@
-"""Flow of tubes without any symmetry, in reduced modes: ``P(x, phi) = d(x) + sigma(x, phi) e^{i phi}`` (design, §7).
+"""Flow of tubes without any symmetry, in reduced modes: ``P(x, phi) = d(x) + sigma(x, phi) e^{i phi}``.
 
-The unknowns are the coefficients of all products of a Fourier function along the tube and one around it, up to given wave
-numbers. Gradients and Hessians of area, volume and energy are those of ``tube.spectrum``, in the frame at rest. What resists is
-a drag, half the mean square of the normal velocity: its gradient by the rates balances that of the energy.
+See ``docs/theory/reduced_modes.md``. The unknowns are the coefficients of all products of a Fourier function along the tube
+and one around it, up to given wave numbers. Gradients and Hessians of area, volume and energy are those of
+``tube.spectrum``, in the frame at rest. What resists is a drag, half the mean square of the normal velocity: its gradient
+by the rates balances that of the energy.
 """
 
 from __future__ import annotations

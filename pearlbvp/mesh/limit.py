@@ -6,7 +6,7 @@ With tangents ``a, b``, second derivatives ``p, q, r``, ``E = a.a, F = a.b, G = 
     (H - c0)^2 dS = M^2/(4 g^{5/2}) - c0 M/g + c0^2 sqrt(g),   dV = (y c_y + z c_z)/2
 
 Control vertices move along fixed directions, ``X_i = X0_i + u_i N_i``. Everything is differentiated as it is summed: the
-second derivative is symmetric, and its inertia counts (design, §7 and §8).
+second derivative is symmetric, and its inertia counts (``docs/theory/meshes.md``).
 """
 
 from __future__ import annotations

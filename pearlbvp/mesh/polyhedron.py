@@ -9,7 +9,7 @@ About vertex ``i`` three sums over its triangles ``T = (i, j, k)`` with ``c = (X
     M H = b = <a, n/|n|>/2 (paper, Appendix B: M H = <L X, N>/2),   E = sum of M (H - c0)^2
 
 Vertices move along fixed directions: ``X_i = X0_i + u_i N_i``. All derivatives are by ``u``, and those of the sum itself,
-so the second derivative is symmetric and its inertia counts (design, §8).
+so the second derivative is symmetric and its inertia counts (``docs/theory/meshes.md``).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Equilibria of triangulated tubes, as ``continuation`` takes them (design, §8; paper, Appendix B).
+"""Equilibria of triangulated tubes, as ``continuation`` takes them (``docs/theory/meshes.md``; paper, Appendix B).
 
 Vertices move from a reference mesh along its normals, ``X_i = X0_i + u_i N_i``. The unknown holds ``u``, multipliers of
 the phase conditions, then ``lambda1, lambda2, v``. Equations: the energy's gradient with all constraints' multipliers, the

@@ -2,7 +2,7 @@
 
 ``x -> ±x + a, phi -> ±phi + b`` map a tube onto itself. Those that also map a mesh and displacements of it onto themselves
 form a finite group. Displacements that keep the symmetry are constant on its orbits, so their mean over the orbits is all
-that is needed of the group: the fixed-point space of design §6, on meshes.
+that is needed of the group: the fixed-point space of ``docs/theory/symmetry_and_blocks.md``, on meshes.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The axisymmetric Helfrich equation in arclength and tangent angle, compiled (design, §4).
+"""The axisymmetric Helfrich equation in arclength and tangent angle, compiled (``docs/theory/axisymmetric.md``).
 
 States ``r, psi, h, w``: radius, tangent angle, mean curvature, its derivative by arclength. Parameters ``arclength,
 lambda1, lambda2, c0, length, v``; primes are derivatives by arclength, ``K = (2h - cos psi/r) cos psi/r``::

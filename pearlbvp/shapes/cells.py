@@ -1,10 +1,10 @@
-"""The axisymmetric equation on one cell: the half between two planes of reflection, and the whole period (design, §4).
+"""The axisymmetric equation on one cell: the half between two planes of reflection, and the whole period.
 
-The half cell ends in planes of reflection (``psi = w = 0``): four states and the unknowns ``arclength, lambda1, lambda2, v``
-against four boundary conditions and three integrals leave a curve of solutions, with no redundancy and no phase. On the
-full cell the shift along the axis needs a phase condition, and the conserved axial force makes one of the periodicity
-conditions redundant: an unfolding parameter takes its place and must stay at rounding level (F. J. Munoz-Almaraz et al.,
-Physica D 181 (2003) 1).
+See ``docs/theory/axisymmetric.md``. The half cell ends in planes of reflection (``psi = w = 0``): four states and the
+unknowns ``arclength, lambda1, lambda2, v`` against four boundary conditions and three integrals leave a curve of solutions,
+with no redundancy and no phase. On the full cell the shift along the axis needs a phase condition, and the conserved axial
+force makes one of the periodicity conditions redundant: an unfolding parameter takes its place and must stay at rounding
+level (F. J. Munoz-Almaraz et al., Physica D 181 (2003) 1).
 """
 
 from __future__ import annotations

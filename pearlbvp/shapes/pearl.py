@@ -2,7 +2,7 @@
 
 One class for half cells and full cells (``shapes.cells``) and for both charts of the multipliers (``shapes.axisymmetric``,
 ``shapes.tension``): it changes mesh and chart as the solution asks for it, knows the stability of its solutions, and embeds
-them in the larger spaces in which branches that break a symmetry live (design, §6).
+them in the larger spaces in which branches that break a symmetry live (``docs/theory/symmetry_and_blocks.md``).
 """
 
 from __future__ import annotations

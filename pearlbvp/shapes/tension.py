@@ -1,10 +1,11 @@
-"""The axisymmetric equation where the multipliers are large, or infinite: a second chart (design, §4).
+"""The axisymmetric equation where the multipliers are large, or infinite: a second chart.
 
-At a surface of constant mean curvature the gradients of area and volume are parallel and ``lambda1, lambda2`` pass through
-infinity while shape, ``v`` and ``E`` stay smooth. Homogeneous multipliers ``m0 dE + m1 dA + m2 dV = 0`` do not notice. With
-``m1 = 1`` they are ``compliance = m0/m1 = 1/lambda1`` and ``mean = -m2/(2 m1)``, the mean curvature that pressure and tension
-alone would give, so that ``lambda2 = -2 mean/compliance``. The states are ``r, psi, g, omega`` with ``h = mean +
-compliance g`` and ``w = compliance omega``; primes are derivatives by arclength, ``K`` as usual::
+See ``docs/theory/axisymmetric.md``. At a surface of constant mean curvature the gradients of area and volume are parallel
+and ``lambda1, lambda2`` pass through infinity while shape, ``v`` and ``E`` stay smooth. Homogeneous multipliers ``m0 dE +
+m1 dA + m2 dV = 0`` do not notice. With ``m1 = 1`` they are ``compliance = m0/m1 = 1/lambda1`` and ``mean = -m2/(2 m1)``,
+the mean curvature that pressure and tension alone would give, so that ``lambda2 = -2 mean/compliance``. The states are ``r,
+psi, g, omega`` with ``h = mean + compliance g`` and ``w = compliance omega``; primes are derivatives by arclength, ``K`` as
+usual::
 
     r' = sin psi    psi' = cos psi/r - 2h    g' = omega
     compliance omega' = -compliance (sin psi/r) omega - 2h (h - cos psi/r)^2 - 2 c0 K + 2 c0^2 h + 2g

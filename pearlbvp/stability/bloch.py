@@ -4,11 +4,12 @@ The second variation of the energy at fixed multipliers, in the direction of a n
 
     integral of -(Lap w + Q w)^2/2 + (f/2 + g kappa_phi) w'^2 + [(f/2 + g kappa_s) n^2/r^2 + R] w^2  dS,
 
-``Q = 4H^2 - 2K``, ``f = 2H^2 - 2(c0^2 + lambda1)``, ``g = 2 c0 - 2H``: the equation of design §5, multiplied by ``w`` and
-integrated by parts (``div`` of the cofactor of the curvature tensor vanishes, Codazzi). It is discretized by Fourier
-series in the isothermal coordinate ``xi``, ``ds = r dxi``, in which ``Lap = (d^2/dxi^2 - n^2)/r^2`` and a neck of radius
-``eps`` costs ``log(1/eps)`` points. The matrix is Hermitian by construction. Where the profile has planes of reflection
-and ``theta`` is 0 or pi, waves are even or odd about the first of them (the belly): real matrices of half the size.
+``Q = 4H^2 - 2K``, ``f = 2H^2 - 2(c0^2 + lambda1)``, ``g = 2 c0 - 2H``: the equation of ``docs/theory/stability.md``,
+multiplied by ``w`` and integrated by parts (``div`` of the cofactor of the curvature tensor vanishes, Codazzi). It is
+discretized by Fourier series in the isothermal coordinate ``xi``, ``ds = r dxi``, in which ``Lap = (d^2/dxi^2 - n^2)/r^2``
+and a neck of radius ``eps`` costs ``log(1/eps)`` points. The matrix is Hermitian by construction. Where the profile has
+planes of reflection and ``theta`` is 0 or pi, waves are even or odd about the first of them (the belly): real matrices of
+half the size.
 """
 
 from __future__ import annotations

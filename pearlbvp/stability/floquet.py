@@ -1,7 +1,7 @@
 """Neutral perturbations over one period: Floquet multipliers at growth rate zero.
 
-The equation ``mu w = D'' + ...`` (design, §5) for normal perturbations ``w(s) e^{i n phi}``, ``D = delta H``, is at
-``mu = 0`` a linear system for ``(w, w', D, D')``. A multiplier ``e^{i theta}`` is a neutral Bloch wave. It is solved
+The equation ``mu w = D'' + ...`` (``docs/theory/stability.md``) for normal perturbations ``w(s) e^{i n phi}``, ``D = delta H``,
+is at ``mu = 0`` a linear system for ``(w, w', D, D')``. A multiplier ``e^{i theta}`` is a neutral Bloch wave. It is solved
 with the collocation and on the mesh of the profile itself. Independent of ``bloch``, which uses the energy's second
 variation in another coordinate and another discretization.
 """

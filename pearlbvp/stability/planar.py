@@ -1,7 +1,7 @@
 """Stability of a cylinder over a closed plane curve of ``n`` equal lobes, for every wave number along it.
 
-A normal outward perturbation ``w(s) e^{ikx}`` has ``D = dH = -(w'' - k^2 w + kappa^2 w)/2`` and the growth rate (design §5
-with ``kappa_phi = 0, K = 0``)
+A normal outward perturbation ``w(s) e^{ikx}`` has ``D = dH = -(w'' - k^2 w + kappa^2 w)/2`` and the growth rate
+(``docs/theory/stability.md`` with ``kappa_phi = 0, K = 0``)
 
     mu w = D'' - k^2 D - 2 kappa w H'' - kappa w' H' - 2 w H'^2 + (6H^2 - a) D + (2 c0 - 2H) k^2 kappa w,
 

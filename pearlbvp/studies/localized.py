@@ -2,7 +2,8 @@
 
 Pearls of period ``l`` on a tube of ``N`` periods lose stability where a Bloch wave ``theta = 2 pi j / N`` becomes
 neutral; ``j = 1`` is the branch point of the localized pearl (paper, eq. (ptt1)). The neutral angle ``theta`` is a function
-along the branch that knows nothing of ``N``: it is resolved once, and each ``N`` is a root of a polynomial (design, §5).
+along the branch that knows nothing of ``N``: it is resolved once, and each ``N`` is a root of a polynomial
+(``docs/theory/stability.md``).
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""Energy and area densities of a tube ``(x, P(x, phi))`` with exact first and second derivatives, compiled (design, §7).
+"""Energy and area densities of a tube ``(x, P(x, phi))`` with exact first and second derivatives, compiled.
 
-Ten fields, linear in the unknowns, say all of a surface at a point: the real and imaginary parts of ``a = P_x, b = P_phi,
-p = P_xx, q = P_xphi, s = P_phiphi``, turned by ``e^{-i(kappa x + phi)}``. With ``X = (x, P)`` and the inner normal
+See ``docs/theory/reduced_modes.md``. Ten fields, linear in the unknowns, say all of a surface at a point: the real and
+imaginary parts of ``a = P_x, b = P_phi, p = P_xx, q = P_xphi, s = P_phiphi``, turned by ``e^{-i(kappa x + phi)}``. With ``X
+= (x, P)`` and the inner normal
 
     g11 = 1 + |a|^2,  g12 = a.b,  g22 = |b|^2,  h_ij sqrt(g) = b x P_ij,  g = g22 + (a x b)^2
     M = g22 h11 - 2 g12 h12 + g11 h22 (times sqrt(g)),  H = M / (2 g^(3/2))

@@ -1,7 +1,7 @@
 """Functions that tubes and their perturbations are sums of.
 
 A cross-section is ``P(x, phi) = e^{i kappa x} (d(x) + sigma(x, phi) e^{i phi})``: its centre ``d = d_y + i d_z`` and the radius
-``sigma`` about it, without its first harmonic, which the centre carries (design, §7).
+``sigma`` about it, without its first harmonic, which the centre carries (``docs/theory/reduced_modes.md``).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Tubes of any symmetry as sums of modes, as ``continuation`` takes them (design, §6 and §7).
+"""Tubes of any symmetry as sums of modes, as ``continuation`` takes them (``docs/theory/reduced_modes.md``).
 
 Each tube lives in the space of its symmetry (``tube.symmetry``), where its bifurcation is simple. The unknown holds the modes'
 coefficients, then those of ``lambda1, lambda2, v, c0, length`` that are free. Equations: the energy's gradient by the

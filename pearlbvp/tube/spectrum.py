@@ -2,7 +2,7 @@
 
 Perturbations displace points in the planes ``x = const``; what counts is the normal part. Rigid motions are exact kernels,
 known in closed form: they are removed by projection, and how nearly they are kernels says whether the modes resolve the
-solution (design, §7).
+solution (``docs/theory/reduced_modes.md``).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Symmetry of a tube as a set of modes, and the blocks of perturbations that go with it (design, §6).
+"""Symmetry of a tube as a set of modes, and the blocks of perturbations that go with it.
 
-Modes are products of a cosine or sine of ``p k x`` and one of ``b phi``. Two of them excite a third whose features are the sum
-of theirs modulo 2::
+See ``docs/theory/symmetry_and_blocks.md``. Modes are products of a cosine or sine of ``p k x`` and one of ``b phi``. Two of
+them excite a third whose features are the sum of theirs modulo 2::
 
     odd in x,   odd in phi,   p/period odd,   b/fold odd
 

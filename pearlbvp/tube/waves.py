@@ -2,7 +2,7 @@
 
 All of a mode's fields are waves times constant factors (its symbol), so a form ``mean of z . W z`` is a Fourier coefficient of
 the weights ``W`` at the difference of two waves: nothing is summed over points for each pair. On a grid the coefficients are
-those of its trapezoidal sum, so the forms are the exact derivatives of that sum (design, §7).
+those of its trapezoidal sum, so the forms are the exact derivatives of that sum (``docs/theory/reduced_modes.md``).
 """
 
 from __future__ import annotations

@@ -1,0 +1,135 @@
+"""What README and docs print is true: their Python runs, their commands run, their links lead somewhere."""
+
+import re
+import shlex
+from pathlib import Path
+
+import matplotlib
+import pytest
+from commands import run
+
+from pearlbvp.studies import families
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\[[^]]*\]\(([^)\s]+)\)")
+
+
+def named(page):
+    return str(page.relative_to(ROOT))
+
+
+def blocks(page, *languages):
+    """Language, number of the first line and text of a page's blocks, in order."""
+    text = page.read_text()
+    found = [(match[1], text.count("\n", 0, match.start(2)), match[2]) for match in BLOCK.finditer(text)]
+    return [block for block in found if block[0] in languages]
+
+
+@pytest.fixture
+def in_a_folder(tmp_path, monkeypatch):
+    """An empty folder, pictures without a screen, and a registry that forgets what a page adds to it."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(families, "_added", {})
+    backend = matplotlib.get_backend()
+    matplotlib.use("agg")
+    yield
+    import matplotlib.pyplot as plt
+
+    plt.close("all")
+    matplotlib.use(backend)
+
+
+def executed(page, capsys, namespace):
+    """Execute a page: Python in a namespace, commands in this process, all in the order and the folder that they stand in."""
+    for language, line, text in blocks(page, "python", "sh"):
+        if language == "python":
+            exec(compile("\n" * line + text, named(page), "exec"), namespace)
+            continue
+        for command in text.splitlines():
+            if command.startswith("pearlbvp "):
+                status, _, err = run(capsys, *shlex.split(command, comments=True)[1:])
+                # A branch that ends at what its shapes are is no failure; one that misses what was wanted is.
+                assert status == 0, (named(page), command, err)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python", "sh")], ids=named)
+def test_what_a_page_prints_runs(page, in_a_folder, capsys):
+    executed(page, capsys, {"__name__": "page"})
+
+
+def test_a_family_is_added_by_one_file_outside_of_the_package(in_a_folder, tmp_path, capsys, monkeypatch):
+    """The guide's first block is that file; here it is a module that an installed package's entry point names."""
+    import importlib
+    import importlib.metadata
+
+    import pearlbvp as pb
+
+    (tmp_path / "screws_of_the_guide.py").write_text(blocks(ROOT / "docs/add_a_family.md", "python")[0][2])
+    monkeypatch.syspath_prepend(tmp_path)
+    entry = importlib.metadata.EntryPoint("screw", "screws_of_the_guide:SCREWS", families.GROUP)
+    monkeypatch.setattr(families, "entry_points", lambda group: [entry] if group == families.GROUP else [])
+    options = ["--c0=-1", "--length", "10", "--until", "v=0.98"]
+    status, out, err = run(capsys, "branch", "screw", *options, "--save", "s.h5")
+    assert (status, err) == (0, "")
+    assert out.splitlines()[-1].split(",")[1] == "stop"
+    assert pb.load("s.h5")[-1].problem.family == "screw"
+    status, _, err = run(capsys, "branch", "screw", *options, "--mode", "1,2")
+    assert (status, err.count("\n")) == (2, 1)
+    assert err.startswith("pearlbvp: --mode: 1,2 is none of a screw")
+    for refused in (
+        ["branch", "screw", *options, "--nodes", "500"],
+        ["branch", "screw", *options, "--tolerance", "1e-9"],
+        ["flow", "--family", "screw", "--c0=-1", "--length", "10", "--point", "v=0.99"],
+    ):
+        status, _, err = run(capsys, *refused)
+        assert (status, err.count("\n")) == (2, 1), err
+
+
+def test_the_readme_is_short():
+    assert len((ROOT / "README.md").read_text().splitlines()) <= 170
+
+
+def anchors(page):
+    """Names of a page's headings, as links have them."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=named)
+def test_links_lead_to_files_and_headings(page):
+    text = BLOCK.sub("", page.read_text())
+    for link in LINK.findall(text):
+        if link.startswith(("http:", "https:")):
+            continue
+        path, _, heading = link.partition("#")
+        target = (page.parent / path).resolve() if path else page
+        assert target.exists(), link
+        assert not heading or heading in anchors(target), link
+
+
+def test_every_page_is_in_the_contents():
+    contents = {(ROOT / "docs" / link).resolve() for link in LINK.findall((ROOT / "docs/index.md").read_text())}
+    assert {page.resolve() for page in PAGES} <= contents | {ROOT / "docs/index.md"}
+
+
+def test_the_code_refers_to_pages_that_are_here():
+    for path in (ROOT / "pearlbvp").rglob("*.py"):
+        text = path.read_text()
+        assert "design, §" not in text, path
+        assert "design §" not in text, path
+        for page in re.findall(r"docs/[\w/]+\.md", text):
+            assert (ROOT / page).exists(), (path, page)
+
+
+def test_every_command_stands_in_the_docs():
+    from pearlbvp.cli import cli
+
+    known = "".join(text for page in PAGES for _, _, text in blocks(page, "sh"))
+    for name in cli.commands:
+        assert re.search(rf"^pearlbvp {name} ", known, re.MULTILINE), name
+    readme = (ROOT / "README.md").read_text()
+    assert set(re.findall(r"`([\w-]+)`", "".join(re.findall(r"^\| (`[^|]*`) \|", readme, re.MULTILINE)))) >= set(
+        cli.commands
+    )
