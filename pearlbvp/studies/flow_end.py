@@ -168,7 +168,7 @@ def _meshes(end: Equilibrium) -> tuple[MeshProblem, Array]:
     similar, reference = similarity(end), flow.reference
     mesh = similar.surface_from_user(replace(reference.mesh, vertices=flow.vertices(end.q)))
     c0, parameters = similar.from_user("c0", reference.c0), _parameters(found, similar)
-    problem, u = about(mesh, c0, parameters, reference.kind, fixed=reference.fixed, adapt=reference.adapt)
+    problem, u = about(reference.functional.on(mesh), c0, parameters, fixed=reference.fixed, adapt=reference.adapt)
     return problem, solved(problem, u)
 
 

@@ -247,7 +247,7 @@ def mesh_start(
 
     Args:
         point: of a branch of any family; of a branch on meshes it is taken as it is, and ``nodes`` and ``kind`` are not used.
-        nodes: vertices of the mesh, or a mesh of the straight tube that is carried over to the shape.
+        nodes: vertices of the mesh, or a mesh of the straight tube that is mapped onto the shape.
         kind: the discretization.
         law: what the flow keeps.
 
