@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from pearlbvp.flow.problem import Law
-    from pearlbvp.flow.record import FlowResult
+    from pearlbvp.flows.problem import Law
+    from pearlbvp.flows.record import FlowResult
     from pearlbvp.mesh.periodic import PeriodicMesh
     from pearlbvp.studies.branch import Discretization
     from pearlbvp.studies.diagram import Diagram
@@ -306,13 +306,13 @@ def flow(
         delta: size of the perturbation, in radii; a negative bump moves the surface outwards.
         nodes: on a triangulated tube of about so many vertices.
         law: what the flow keeps.
-        how: fields of ``pearlbvp.flow.driver.FlowOptions``.
+        how: fields of ``pearlbvp.flows.driver.FlowOptions``.
 
     Raises:
         InputError: an argument that cannot be used.
     """
-    from pearlbvp.flow.driver import FlowOptions
-    from pearlbvp.flow.driver import flow as run
+    from pearlbvp.flows.driver import FlowOptions
+    from pearlbvp.flows.driver import flow as run
     from pearlbvp.studies.flow_start import mesh_start, solution_start
 
     begun = solution_start(start, law=law) if nodes is None else mesh_start(start, nodes, law=law)

@@ -11,7 +11,7 @@ ROOMS = [
     "commands",
     "figures",
     "studies",
-    "flow",
+    "flows",
     "shapes",
     "tube",
     "mesh",
@@ -50,7 +50,7 @@ def test_the_flow_s_driver_knows_no_discretization():
     allowed = {"bordered", "driver", "integrator", "problem", "record", "steady", "spectrum", "errors", "newton"}
     allowed |= {"arrays", "constrained", "representation", "units"}
     for name in ("driver", "integrator", "steady", "record", "perturbation"):
-        tree = ast.parse((PACKAGE / "flow" / f"{name}.py").read_text())
+        tree = ast.parse((PACKAGE / "flows" / f"{name}.py").read_text())
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("pearlbvp."):
                 assert node.module.split(".")[-1] in allowed, name

@@ -215,7 +215,7 @@ def test_the_table_of_a_run_whose_checkpoints_fail_is_written(tmp_path, capsys, 
     """Whenever they are written: here at every point of a branch and at every step of a flow."""
     from pearlbvp import hdf5
     from pearlbvp.commands import following
-    from pearlbvp.flow import driver
+    from pearlbvp.flows import driver
 
     def full(name, path, write):
         tried.append(name)

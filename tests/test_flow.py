@@ -9,9 +9,9 @@ from graphs import Graphs
 from scipy.sparse import csc_matrix
 
 from pearlbvp.errors import InputError
-from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.driver import FlowOptions, constrained, flow, resumed
-from pearlbvp.flow.perturbation import displaced
+from pearlbvp.flows.axisymmetric import GraphFlow
+from pearlbvp.flows.driver import FlowOptions, constrained, flow, resumed
+from pearlbvp.flows.perturbation import displaced
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow import load, save

@@ -8,11 +8,11 @@ import pytest
 from sums import Basis
 
 from pearlbvp.errors import InputError
-from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.driver import FlowOptions
-from pearlbvp.flow.record import Equilibrium
-from pearlbvp.flow.steady import polished
-from pearlbvp.flow.tube import TubeFlow
+from pearlbvp.flows.axisymmetric import GraphFlow
+from pearlbvp.flows.driver import FlowOptions
+from pearlbvp.flows.record import Equilibrium
+from pearlbvp.flows.steady import polished
+from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies import flow_end
 from pearlbvp.studies.branch import branch_options, family_branch

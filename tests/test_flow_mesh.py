@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from pearlbvp.errors import InputError
-from pearlbvp.flow.driver import FlowOptions, constrained, flow, resumed
-from pearlbvp.flow.mesh import mesh_flow
+from pearlbvp.flows.driver import FlowOptions, constrained, flow, resumed
+from pearlbvp.flows.mesh import mesh_flow
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.families import tube_mesh

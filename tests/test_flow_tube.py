@@ -7,9 +7,9 @@ import pytest
 from sums import Basis, grid, second_variation
 
 from pearlbvp.errors import InputError
-from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.driver import FlowOptions, flow, resumed
-from pearlbvp.flow.tube import TubeFlow
+from pearlbvp.flows.axisymmetric import GraphFlow
+from pearlbvp.flows.driver import FlowOptions, flow, resumed
+from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow import load, save

@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.amplitudes import amplitudes_at
-from pearlbvp.mesh.families import carried, edited, graded, jittered, straightened, tube_mesh
+from pearlbvp.mesh.families import edited, graded, jittered, mapped, straightened, tube_mesh
 from pearlbvp.mesh.operators import mean_curvature
 from pearlbvp.mesh.start import branch_point, straight
 from pearlbvp.mesh.subdivision import subdivided
@@ -127,7 +127,7 @@ def test_meshes_are_carried_over_with_their_periods():
     assert mesh.vertices[:, 0].min() < 0
     found, u = meshed(Solution(problem, w, w), mesh, kind="cotangent")
     assert found.observables(u)["E"] == pytest.approx(problem.observables(w)["E"], rel=0.05)
-    again = carried(mesh, lambda x, phi: np.column_stack((x, np.cos(phi), np.sin(phi))))
+    again = mapped(mesh, lambda x, phi: np.column_stack((x, np.cos(phi), np.sin(phi))))
     np.testing.assert_allclose(again.vertices, mesh.vertices, atol=1e-14)
 
 

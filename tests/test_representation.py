@@ -11,7 +11,7 @@ import pytest
 from pearlbvp import progress
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.figures.branch import BETWEEN, smooth
-from pearlbvp.flow.driver import FlowOptions
+from pearlbvp.flows.driver import FlowOptions
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.families import tube_mesh
 from pearlbvp.studies.amplitude import predicted_branch

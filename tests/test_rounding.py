@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pearlbvp.errors import InputError
-from pearlbvp.flow.driver import start
+from pearlbvp.flows.driver import start
 from pearlbvp.mesh import rounding
 from pearlbvp.mesh.families import jittered, tube_mesh
 from pearlbvp.mesh.files import read_smooth_tube, read_tube, write_mesh

@@ -12,7 +12,7 @@ import pearlbvp.continuation.segment
 import pearlbvp.newton
 from pearlbvp.errors import InputError
 from pearlbvp.figures import canvas
-from pearlbvp.flow.driver import start
+from pearlbvp.flows.driver import start
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.files import read_mesh
 from pearlbvp.mesh.problem import MeshProblem

@@ -146,8 +146,8 @@ def flow(
         check_distinct(
             {name: None if p is None else Path(os.path.realpath(p)) for name, p in outputs_and_inputs.items()}
         )
-    from pearlbvp.flow.driver import NEXT, FlowOptions, resumed
-    from pearlbvp.flow.driver import start as beginning
+    from pearlbvp.flows.driver import NEXT, FlowOptions, resumed
+    from pearlbvp.flows.driver import start as beginning
     from pearlbvp.progress import progress
     from pearlbvp.studies import flow as study
     from pearlbvp.units import NUMBER

@@ -109,7 +109,7 @@ def show(
             "--surface": surface,
         }
     )
-    from pearlbvp.flow.checkpoint import KIND
+    from pearlbvp.flows.checkpoint import KIND
     from pearlbvp.hdf5 import kind_of
 
     if kind_of("FILE", file) == KIND:

@@ -21,7 +21,7 @@ from pearlbvp.figures.canvas import (
     save_movie,
 )
 from pearlbvp.figures.surface import box_of, show_surface
-from pearlbvp.flow.record import FlowState, Frame
+from pearlbvp.flows.record import FlowState, Frame
 from pearlbvp.units import RADII, Units
 
 

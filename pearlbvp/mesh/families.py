@@ -193,7 +193,7 @@ def straightened(mesh: PeriodicMesh) -> PeriodicMesh:
     return replace(mesh, vertices=cylinder(mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])))
 
 
-def carried(mesh: PeriodicMesh, surface: Surface) -> PeriodicMesh:
+def mapped(mesh: PeriodicMesh, surface: Surface) -> PeriodicMesh:
     """The straight tube's triangles on another tube, vertices at the same parameters ``x`` and ``phi``."""
     x, phi = mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])
     return replace(mesh, vertices=np.asarray(surface(x, phi), dtype=float))

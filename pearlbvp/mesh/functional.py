@@ -14,7 +14,7 @@ Both sum exact derivatives, and hand on one sparse symmetric Hessian.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -22,11 +22,13 @@ import numpy as np
 from scipy import sparse
 
 from pearlbvp.arrays import Array, Integers
+from pearlbvp.bordered import spread
 from pearlbvp.mesh.limit import limit_mass, limit_sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals, volume_gradient
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.polyhedron import star_sums
-from pearlbvp.mesh.subdivision import Patches, limit_matrix, patches
+from pearlbvp.mesh.subdivision import Patches, limit_matrix
+from pearlbvp.mesh.subdivision import patches as patches_of
 from pearlbvp.representation import brief
 
 Kind = Literal["subdivision", "cotangent"]
@@ -39,54 +41,43 @@ class Sums(NamedTuple):
     gradients: Array
 
 
-@dataclass(frozen=True)
-class Functional:
-    """Energy, area and volume on the triangles of a mesh, for any positions of its vertices.
+@dataclass(frozen=True, eq=False)
+class Stencils:
+    """Which vertices the terms of a sum over a mesh depend on, wherever they lie.
 
     Attributes:
-        mesh: the triangles; its vertices are the reference only.
+        mesh: any with these triangles.
         kind: the discretization.
     """
 
     __repr__ = brief
 
     mesh: PeriodicMesh
-    kind: Kind = "subdivision"
-
-    def on(self, mesh: PeriodicMesh) -> Functional:
-        """The same discretization on another mesh; what depends on the triangles only is kept where they are the same."""
-        other = Functional(mesh, self.kind)
-        if mesh.triangles is self.mesh.triangles and mesh.wraps is self.mesh.wraps:
-            kept = ("_patches", "_stars", "_groups", "_pattern", "_limit")
-            other.__dict__.update({name: self.__dict__[name] for name in kept if name in self.__dict__})
-        return other
+    kind: Kind
 
     @cached_property
-    def _patches(self) -> Patches:
-        return patches(self.mesh)
-
-    @property
-    def quadrature(self) -> Patches:
-        """Points of the limit surface over which energies are summed."""
-        return self._patches
+    def patches(self) -> Patches:
+        """Points of the limit surface, with the vertices that each depends on."""
+        return patches_of(self.mesh)
 
     @cached_property
-    def _stars(self) -> tuple[Integers, Integers, Array]:
+    def stars(self) -> tuple[Integers, Integers, Array]:
+        """Of each vertex where its neighbours begin, all of them, and by how much they are shifted."""
         start, order = self.mesh.star
         return start, self.mesh.head[order], self.mesh.length * self.mesh.shift[order].astype(float)
 
     @cached_property
-    def _groups(self) -> tuple[Integers, Integers]:
+    def groups(self) -> tuple[Integers, Integers]:
         """Vertices that one term of the sums depends on: where each group starts, and all."""
         if self.kind == "subdivision":
-            return self._patches.start, self._patches.index
-        start, head, _ = self._stars
+            return self.patches.start, self.patches.index
+        start, head, _ = self.stars
         return start + np.arange(len(start)), np.insert(head, start[:-1], np.arange(self.mesh.count))
 
     @cached_property
-    def _pattern(self) -> tuple[Integers, Integers, Integers]:
+    def pattern(self) -> tuple[Integers, Integers, Integers]:
         """Where each pair of each group goes among the Hessian's nonzeros; its row indices and column starts."""
-        start, index = self._groups
+        start, index = self.groups
         sizes = np.diff(start)
         keys = np.empty(int((sizes**2).sum()), dtype=np.int64)
         places = np.concatenate(([0], np.cumsum(sizes**2)))
@@ -99,8 +90,60 @@ class Functional:
         columns = np.searchsorted(known // self.mesh.count, np.arange(self.mesh.count + 1))
         return place.astype(np.int64).ravel(), known % self.mesh.count, columns
 
+    @cached_property
+    def limit(self) -> tuple[sparse.csr_matrix, Array]:
+        """Points of the surface at the vertices by the vertices: matrix and shifts along the axis."""
+        if self.kind == "cotangent":
+            return sparse.eye(self.mesh.count, format="csr"), np.zeros(self.mesh.count)
+        return limit_matrix(self.mesh)[1:]
+
+
+PINS = 16
+"""Vertices held in a factorization: more than there are near kernels, few enough to cost nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Functional:
+    """Energy, area and volume on the triangles of a mesh, for any positions of its vertices.
+
+    Attributes:
+        mesh: the triangles; its vertices are the reference only.
+        kind: the discretization.
+        known: stencils of these triangles, where another mesh has them already.
+    """
+
+    __repr__ = brief
+
+    mesh: PeriodicMesh
+    kind: Kind = "subdivision"
+    known: Stencils | None = field(default=None, repr=False)
+
+    @cached_property
+    def stencils(self) -> Stencils:
+        """Which vertices each term depends on."""
+        return self.known or Stencils(self.mesh, self.kind)
+
+    def on(self, mesh: PeriodicMesh) -> Functional:
+        """The same discretization on another mesh; what depends on the triangles only is kept where they are the same."""
+        return Functional(mesh, self.kind, self.stencils if mesh.connected is self.mesh.connected else None)
+
+    @property
+    def quadrature(self) -> Patches:
+        """Points of the limit surface over which energies are summed."""
+        return self.stencils.patches
+
+    @cached_property
+    def directions(self) -> Array:
+        """Normals at the vertices of the reference, shape (V, 3), along which they may be displaced."""
+        return vertex_normals(self.mesh)
+
+    @cached_property
+    def pins(self) -> Integers:
+        """Vertices held while a matrix on the mesh is factorized."""
+        return spread(self.mesh.vertices, PINS)
+
     def _matrix(self, data: Array) -> sparse.csc_matrix:
-        _, rows, columns = self._pattern
+        _, rows, columns = self.stencils.pattern
         return sparse.csc_matrix((data, rows, columns), shape=(self.mesh.count, self.mesh.count))
 
     def _sum(
@@ -114,7 +157,7 @@ class Functional:
         data: Array,
     ) -> Sums:
         if self.kind == "subdivision":
-            p = self._patches
+            p = self.stencils.patches
             values, gradients = limit_sums(
                 vertices,
                 directions,
@@ -130,7 +173,7 @@ class Functional:
                 data,
             )
         else:
-            values, gradients = star_sums(vertices, directions, *self._stars, c0, lambda1, lambda2, place, data)
+            values, gradients = star_sums(vertices, directions, *self.stencils.stars, c0, lambda1, lambda2, place, data)
         return Sums(values, gradients)
 
     def sums(self, vertices: Array, directions: Array, c0: float) -> Sums:
@@ -142,7 +185,7 @@ class Functional:
         self, vertices: Array, directions: Array, c0: float, lambda1: float, lambda2: float
     ) -> tuple[sparse.csc_matrix, Sums]:
         """Second derivative of ``E + lambda1 A + lambda2 V`` along ``directions``, shape (V, V), with the sums."""
-        place, rows, _ = self._pattern
+        place, rows, _ = self.stencils.pattern
         data = np.zeros(len(rows))
         sums = self._sum(vertices, directions, c0, lambda1, lambda2, place, data)
         return self._matrix(data), sums
@@ -155,8 +198,8 @@ class Functional:
             ``x, y, z`` and the rotation about ``x``, shape (4, V).
         """
         if self.kind == "subdivision":
-            p = self._patches
-            place, rows, _ = self._pattern
+            p = self.stencils.patches
+            place, rows, _ = self.stencils.pattern
             data = np.zeros(len(rows))
             motions = limit_mass(vertices, directions, p.start, p.index, p.weights, p.offsets, p.weight, place, data)
             return self._matrix(data), motions
@@ -166,20 +209,14 @@ class Functional:
         turn = vertices[:, 1] * normals[:, 2] - vertices[:, 2] * normals[:, 1]
         return sparse.diags(mass * moved**2, format="csc"), np.vstack((normals.T, turn)) * moved
 
-    @cached_property
-    def _limit(self) -> tuple[sparse.csr_matrix, Array]:
-        if self.kind == "cotangent":
-            return sparse.eye(self.mesh.count, format="csr"), np.zeros(self.mesh.count)
-        return limit_matrix(self.mesh)[1:]
-
     @property
     def point_matrix(self) -> sparse.csr_matrix:
         """Displacements of the surface at its vertices by those of the vertices, shape (V, V)."""
-        return self._limit[0]
+        return self.stencils.limit[0]
 
     def points(self, vertices: Array) -> Array:
         """Where the vertices lie on the surface, shape (V, 3)."""
-        matrix, offsets = self._limit
+        matrix, offsets = self.stencils.limit
         points = matrix @ vertices
         points[:, 0] += offsets
         return points

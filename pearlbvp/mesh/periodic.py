@@ -6,7 +6,7 @@ doubled, no boundary exists, and nothing depends on where ``x = 0`` lies (compar
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -55,46 +55,20 @@ class MeshError(InputError):
         return MeshError.at(template, triangles, *self.corners, first=first, faces=faces)
 
 
-@dataclass(frozen=True)
-class PeriodicMesh:
-    """A closed triangulated tube of one period.
+@dataclass(frozen=True, eq=False)
+class Connectivity:
+    """Which triangles share which edges, wherever the vertices lie: meshes that differ in vertices only share it.
 
     Attributes:
-        vertices: shape (V, 3), axis along ``x``; any representative of a vertex modulo the period will do.
-        triangles: vertices of the corners, shape (T, 3), counterclockwise seen from outside.
-        wraps: periods by which each corner is shifted along ``x``, shape (T, 3).
-        length: the period.
-
-    Raises:
-        InputError: it is no oriented manifold tube, or has slivers; the message names the first offending element.
+        triangles, wraps: as ``PeriodicMesh`` has them.
+        count: number of vertices.
     """
 
     __repr__ = brief
 
-    vertices: Array
     triangles: Integers
     wraps: Integers
-    length: float
-
-    def __post_init__(self) -> None:
-        for name, kind in (("vertices", np.float64), ("triangles", np.int64), ("wraps", np.int64)):
-            object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=kind))
-        object.__setattr__(self, "length", float(self.length))
-        _check_arrays(self)
-        _check_topology(self)
-        _check_shape(self)
-
-    @property
-    def count(self) -> int:
-        """Number of vertices."""
-        return len(self.vertices)
-
-    @cached_property
-    def corners(self) -> Array:
-        """Positions of the triangles' corners, shape (T, 3, 3)."""
-        corners = self.vertices[self.triangles]
-        corners[..., 0] += self.length * self.wraps
-        return corners
+    count: int
 
     @cached_property
     def tail(self) -> Integers:
@@ -111,7 +85,7 @@ class PeriodicMesh:
         """Periods between the ends of each half-edge, shape (3T,)."""
         return (np.roll(self.wraps, -1, axis=1) - self.wraps).ravel()
 
-    def _keys(self, tail: Integers, head: Integers, shift: Integers) -> Integers:
+    def keys(self, tail: Integers, head: Integers, shift: Integers) -> Integers:
         """One number for each directed edge."""
         most = int(np.abs(self.shift).max()) + 1
         return (tail * self.count + head) * (2 * most + 1) + shift + most
@@ -119,9 +93,9 @@ class PeriodicMesh:
     @cached_property
     def twin(self) -> Integers:
         """The half-edge that runs the other way, shape (3T,); -1 where there is none."""
-        keys = self._keys(self.tail, self.head, self.shift)
+        keys = self.keys(self.tail, self.head, self.shift)
         order = np.argsort(keys)
-        back = self._keys(self.head, self.tail, -self.shift)
+        back = self.keys(self.head, self.tail, -self.shift)
         place = np.minimum(np.searchsorted(keys[order], back), len(keys) - 1)
         return np.where(keys[order[place]] == back, order[place], -1)
 
@@ -137,6 +111,88 @@ class PeriodicMesh:
         first = np.empty(self.count, dtype=np.int64)
         first[self.tail] = np.arange(len(self.tail))
         return start, _walk(start, first, self.twin)
+
+
+@dataclass(frozen=True)
+class PeriodicMesh:
+    """A closed triangulated tube of one period.
+
+    Attributes:
+        vertices: shape (V, 3), axis along ``x``; any representative of a vertex modulo the period will do.
+        triangles: vertices of the corners, shape (T, 3), counterclockwise seen from outside.
+        wraps: periods by which each corner is shifted along ``x``, shape (T, 3).
+        length: the period.
+        known: how the triangles hang together, where a mesh that differs in vertices only has told it.
+
+    Raises:
+        InputError: it is no oriented manifold tube, or has slivers; the message names the first offending element.
+    """
+
+    __repr__ = brief
+
+    vertices: Array
+    triangles: Integers
+    wraps: Integers
+    length: float
+    known: Connectivity | None = field(default=None, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        for name, kind in (("vertices", np.float64), ("triangles", np.int64), ("wraps", np.int64)):
+            object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name), dtype=kind))
+        object.__setattr__(self, "length", float(self.length))
+        known = self.known
+        if known is None or known.triangles is not self.triangles or known.wraps is not self.wraps:
+            object.__setattr__(self, "known", None)
+            _check_arrays(self)
+            _check_topology(self)
+        _check_shape(self)
+
+    @property
+    def count(self) -> int:
+        """Number of vertices."""
+        return len(self.vertices)
+
+    @cached_property
+    def corners(self) -> Array:
+        """Positions of the triangles' corners, shape (T, 3, 3)."""
+        corners = self.vertices[self.triangles]
+        corners[..., 0] += self.length * self.wraps
+        return corners
+
+    @cached_property
+    def connected(self) -> Connectivity:
+        """How the triangles hang together."""
+        return self.known or Connectivity(self.triangles, self.wraps, self.count)
+
+    @property
+    def tail(self) -> Integers:
+        """First vertex of each half-edge, shape (3T,): half-edge ``3 t + a`` leads from corner ``a`` of ``t`` to the next."""
+        return self.connected.tail
+
+    @property
+    def head(self) -> Integers:
+        """Last vertex of each half-edge, shape (3T,)."""
+        return self.connected.head
+
+    @property
+    def shift(self) -> Integers:
+        """Periods between the ends of each half-edge, shape (3T,)."""
+        return self.connected.shift
+
+    @property
+    def twin(self) -> Integers:
+        """The half-edge that runs the other way, shape (3T,); -1 where there is none."""
+        return self.connected.twin
+
+    @property
+    def edges(self) -> Integers:
+        """One half-edge for each edge, shape (E,)."""
+        return self.connected.edges
+
+    @property
+    def star(self) -> tuple[Integers, Integers]:
+        """Half-edges that leave each vertex, counterclockwise: where each vertex's begin, shape (V + 1,), and all, (3T,)."""
+        return self.connected.star
 
     @cached_property
     def edge_vectors(self) -> Array:
@@ -180,14 +236,7 @@ class PeriodicMesh:
 
     def moved(self, vertices: Array) -> PeriodicMesh:
         """The same triangles on other vertices, checked for slivers and orientation only."""
-        mesh = object.__new__(PeriodicMesh)
-        for name in ("triangles", "wraps", "length"):
-            object.__setattr__(mesh, name, getattr(self, name))
-        object.__setattr__(mesh, "vertices", np.ascontiguousarray(vertices, dtype=np.float64))
-        for name in ("tail", "head", "shift", "twin", "edges", "star"):  # what vertices do not change
-            mesh.__dict__[name] = getattr(self, name)
-        _check_shape(mesh)
-        return mesh
+        return PeriodicMesh(vertices, self.triangles, self.wraps, self.length, self.connected)
 
     def reduced(self) -> PeriodicMesh:
         """The same surface with every vertex in ``[0, L)``, and every triangle where its centroid lies there.
@@ -272,7 +321,7 @@ def _check_arrays(mesh: PeriodicMesh) -> None:
 
 def _check_topology(mesh: PeriodicMesh) -> None:
     triangles = mesh.triangles
-    keys = mesh._keys(mesh.tail, mesh.head, mesh.shift)
+    keys = mesh.connected.keys(mesh.tail, mesh.head, mesh.shift)
     _, place, number = np.unique(keys, return_index=True, return_counts=True)
     if (number > 1).any():
         doubled = int(place[number > 1].min())

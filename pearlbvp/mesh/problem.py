@@ -20,7 +20,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pearlbvp.arrays import Array, Integers
-from pearlbvp.bordered import Pinned, spread
+from pearlbvp.bordered import Pinned
 from pearlbvp.continuation.path import correct
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError, SpectrumError
@@ -47,9 +47,6 @@ from pearlbvp.mesh.symmetry import mean, orbits
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.representation import brief
 
-PINS = 16
-"""Vertices held in the factorization: more than there are near kernels, few enough to cost nothing."""
-
 RATES = 6
 """Growth rates of each block computed besides the positive ones."""
 
@@ -65,10 +62,9 @@ class MeshProblem(MembraneProblem):
     """Equilibria near a reference mesh: ``residual(u) = 0`` is a curve.
 
     Attributes:
-        mesh: the reference.
+        functional: energy, area and volume on the reference mesh.
         phases: rows that the displacement must be orthogonal to, shape (P, V).
         c0: spontaneous curvature.
-        kind: the discretization.
         fixed: what perturbations keep, for stability.
         adapt: when and how the mesh is adapted.
         orbits: number of each vertex's orbit under the symmetry that the surface keeps, shape (V,); None without one.
@@ -81,10 +77,9 @@ class MeshProblem(MembraneProblem):
     block: ClassVar[Any] = MeshBlock
     why_fixed: ClassVar[str] = "a branch on a mesh keeps its {name}; follow one from the straight tube at another value"
 
-    mesh: PeriodicMesh
+    functional: Functional
     phases: Array
     c0: float
-    kind: Kind = "subdivision"
     fixed: Fixed = "area and volume"
     adapt: AdaptOptions = field(default_factory=AdaptOptions)
     orbits: Integers | None = None
@@ -94,20 +89,25 @@ class MeshProblem(MembraneProblem):
         """The period."""
         return self.mesh.length
 
-    @cached_property
-    def functional(self) -> Functional:
-        """Energy, area and volume on the mesh."""
-        return Functional(self.mesh, self.kind)
+    @property
+    def mesh(self) -> PeriodicMesh:
+        """The reference."""
+        return self.functional.mesh
 
-    @cached_property
+    @property
+    def kind(self) -> Kind:
+        """The discretization."""
+        return self.functional.kind
+
+    @property
     def directions(self) -> Array:
         """In which the vertices move, shape (V, 3)."""
-        return vertex_normals(self.mesh)
+        return self.functional.directions
 
-    @cached_property
+    @property
     def pins(self) -> Integers:
         """Vertices held while a matrix is factorized."""
-        return spread(self.mesh.vertices, PINS)
+        return self.functional.pins
 
     def vertices(self, u: Array) -> Array:
         """The vertices displaced, shape (V, 3)."""
@@ -248,12 +248,12 @@ class MeshProblem(MembraneProblem):
     def remesh(self, u: Array, *others: Array) -> tuple[MeshProblem, list[Array]] | None:
         """The problem about the surface itself on an adapted mesh, where the reference no longer fits; else None."""
         count = self.mesh.count
-        found = self.respread(u, [vector[:count, None] * self.directions for vector in others])
+        found = self.renewed(u, [vector[:count, None] * self.directions for vector in others])
         if found is None:
             return None
         mesh, fields, options = found
         functional = self.functional.on(mesh)
-        problem, moved = about(mesh, self.c0, u[-3:], self.kind, functional, fixed=self.fixed, adapt=options)
+        problem, moved = about(functional, self.c0, u[-3:], fixed=self.fixed, adapt=options)
         vectors = [moved]
         for vector, moves in zip(others, fields, strict=True):
             along = np.einsum("ix,ix->i", moves, problem.directions)
@@ -274,7 +274,7 @@ class MeshProblem(MembraneProblem):
         y, z = self.points(u)[:, 1:].T
         return float(np.ptp(np.hypot(y - y.mean(), z - z.mean()))) < STRAIGHT
 
-    def respread(self, u: Array, fields: Sequence[Array]) -> tuple[PeriodicMesh, list[Array], AdaptOptions] | None:
+    def renewed(self, u: Array, fields: Sequence[Array]) -> tuple[PeriodicMesh, list[Array], AdaptOptions] | None:
         """The surface at ``u`` as the next reference, on an adapted mesh where this one no longer fits; else None.
 
         Args:
@@ -344,24 +344,17 @@ class MeshProblem(MembraneProblem):
         neutral = modes.vectors[block][:, np.abs(modes.rates[block]) < NEUTRAL_TOGETHER]
         at_centre = neutral[self._middle]
         if not at_centre.any():
-            return self._with(orbits=None), list(vectors)
+            return replace(self, orbits=None), list(vectors)
         mass, _ = self.functional.normal_mass(self.vertices(u), self.directions)
         others = np.linalg.svd(at_centre[None])[2][1:]  # combinations that vanish there
         phases = np.vstack((self.phases, others @ (mass @ neutral).T))
-        found = self._with(phases=phases).symmetric(u, neutral @ at_centre)
+        found = replace(self, phases=phases).symmetric(u, neutral @ at_centre)
         return found, [np.concatenate((v[:size], np.zeros(len(others)), v[-3:])) for v in vectors]
 
     def symmetric(self, u: Array, *others: Array) -> MeshProblem:
         """The problem in the space of all displacements with the symmetry of ``u`` and others on this mesh."""
         labels = orbits(self.mesh, np.array([vector[: self.mesh.count] for vector in (u, *others)]))
-        return self._with(orbits=labels if labels.max() + 1 < self.mesh.count else None)
-
-    def _with(self, **changes: Any) -> MeshProblem:
-        """The problem with other phases or orbits; what depends on the mesh only is kept."""
-        found = replace(self, **changes)
-        for name in ("functional", "directions", "pins"):
-            found.__dict__[name] = getattr(self, name)
-        return found
+        return replace(self, orbits=labels if labels.max() + 1 < self.mesh.count else None)
 
     @property
     def _middle(self) -> int:
@@ -385,7 +378,7 @@ class MeshProblem(MembraneProblem):
         mesh = PeriodicMesh(tree["vertices"], tree["triangles"], tree["wraps"], float(tree["length"]))
         phases, adapt = np.asarray(tree["phases"], dtype=float), AdaptOptions.from_tree(tree)
         labels = np.asarray(tree["orbits"], dtype=np.int64) if "orbits" in tree else None
-        return cls(mesh, phases, float(tree["c0"]), tree["kind"], tree["fixed"], adapt, labels)
+        return cls(Functional(mesh, tree["kind"]), phases, float(tree["c0"]), tree["fixed"], adapt, labels)
 
 
 def phase_rows(problem: MeshProblem, u: Array) -> Array:
@@ -396,31 +389,22 @@ def phase_rows(problem: MeshProblem, u: Array) -> Array:
     return independent(motions, second, mass, problem.pins)[0]
 
 
-def about(
-    mesh: PeriodicMesh,
-    c0: float,
-    parameters: Array,
-    kind: Kind = "subdivision",
-    functional: Functional | None = None,
-    **others: Any,
-) -> tuple[MeshProblem, Array]:
+def about(functional: Functional, c0: float, parameters: Array, **others: Any) -> tuple[MeshProblem, Array]:
     """The problem about a mesh, with phase conditions against the rigid motions that move it, and its unknown there.
 
     Args:
-        mesh: the reference.
+        functional: on the reference.
         c0: spontaneous curvature.
         parameters: ``lambda1, lambda2, v``.
-        kind: the discretization.
-        functional: that on the mesh, where there is one already.
         others: further attributes of the problem.
     """
-    problem = MeshProblem(mesh, np.zeros((0, mesh.count)), c0, kind, **others)
-    problem.__dict__["functional"] = functional or Functional(mesh, kind)
-    return with_phases(problem, np.concatenate((np.zeros(mesh.count), parameters)))
+    count = functional.mesh.count
+    problem = MeshProblem(functional, np.zeros((0, count)), c0, **others)
+    return with_phases(problem, np.concatenate((np.zeros(count), parameters)))
 
 
 def with_phases(problem: MeshProblem, u: Array, shape: Array | None = None) -> tuple[MeshProblem, Array]:
     """The problem with the phase conditions of the surface at ``shape``, by default ``u``, and ``u`` moved there."""
     rows = phase_rows(problem, u if shape is None else shape)
-    found = problem._with(phases=rows)
+    found = replace(problem, phases=rows)
     return found, np.concatenate((u[: problem.mesh.count], np.zeros(len(rows)), u[-3:]))

@@ -63,7 +63,7 @@ def equilibrium(
     """
     functional = Functional(mesh, kind)
     mesh = mesh.moved(functional.vertices_near(mesh.vertices))
-    problem, guess = about(mesh, c0, np.array([lambda1, lambda2, v]), kind, functional.on(mesh), **others)
+    problem, guess = about(functional.on(mesh), c0, np.array([lambda1, lambda2, v]), **others)
     return problem, solved(problem, guess)
 
 
@@ -81,18 +81,12 @@ def _cylinder(mesh: PeriodicMesh, c0: float, lambda2: float, kind: Kind) -> tupl
     """
     functional = Functional(mesh, kind)
     mesh = mesh.moved(functional.vertices_near(mesh.vertices))
-    problem = _sharing(functional.on(mesh), MeshProblem(mesh, np.zeros((0, mesh.count)), c0, kind))
+    problem = MeshProblem(functional.on(mesh), np.zeros((0, mesh.count)), c0)
     _, motions = problem.functional.normal_mass(mesh.vertices, problem.directions)
     across = motions[1:3] / math.sqrt(math.pi * mesh.length)  # unit ones
     parameters = [cylinder_lambda1(lambda2, c0), lambda2, 1.0]
     guess = np.concatenate((np.zeros(mesh.count + len(across)), parameters))
-    return _sharing(problem.functional, replace(problem, phases=across)), guess
-
-
-def _sharing(functional: Functional, problem: MeshProblem) -> MeshProblem:
-    """The problem, with the functional that is on its mesh already."""
-    problem.__dict__["functional"] = functional
-    return problem
+    return replace(problem, phases=across), guess
 
 
 def waves(points: Array, length: float, m: int, n: int) -> Array:
@@ -153,7 +147,7 @@ def _without_mode(problem: MeshProblem, u: Array, m: int, n: int) -> tuple[MeshP
     mass, _ = problem.functional.normal_mass(problem.vertices(u), problem.directions)
     rows = shapes @ mass
     rows = np.linalg.solve(np.linalg.cholesky(rows @ shapes.T), rows)
-    found = _sharing(problem.functional, replace(problem, phases=np.vstack((problem.phases, rows))))
+    found = replace(problem, phases=np.vstack((problem.phases, rows)))
     return found, np.concatenate((u[:-3], np.zeros(len(rows)), u[-3:])), len(rows)
 
 

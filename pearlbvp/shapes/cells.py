@@ -15,7 +15,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import BoundaryValueProblem, Discretization, PiecewisePolynomial
-from pearlbvp.shapes import axisymmetric, tension
+from pearlbvp.shapes import axisymmetric, large_multipliers
 
 _ENDS = np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 6))
 _ENDS[0][0, 1] = _ENDS[0][1, 3] = _ENDS[1][2, 1] = _ENDS[1][3, 3] = 1.0
@@ -32,16 +32,16 @@ HALF_CELL = BoundaryValueProblem(
 )
 
 
-HALF_CELL_TENSION = BoundaryValueProblem(
-    states=tension.STATES,
-    parameters=tension.PARAMETERS,
-    rhs=tension.rhs,
-    rhs_jacobian=tension.rhs_jacobian,
+HALF_CELL_LARGE = BoundaryValueProblem(
+    states=large_multipliers.STATES,
+    parameters=large_multipliers.PARAMETERS,
+    rhs=large_multipliers.rhs,
+    rhs_jacobian=large_multipliers.rhs_jacobian,
     boundary=HALF_CELL.boundary,
     boundary_jacobian=HALF_CELL.boundary_jacobian,
     integrand=axisymmetric.constraints,
     integrand_jacobian=axisymmetric.constraints_jacobian,
-    mass=tension.mass,
+    mass=large_multipliers.mass,
 )
 """The half cell in the chart of large multipliers; its boundary conditions and integrals are the same."""
 

@@ -1,8 +1,8 @@
 """Pearls and all other axisymmetric equilibria of fixed period and area, as ``continuation`` takes them.
 
 One class for half cells and full cells (``shapes.cells``) and for both charts of the multipliers (``shapes.axisymmetric``,
-``shapes.tension``): it changes mesh and chart as the solution asks for it, knows the stability of its solutions, and embeds
-them in the larger spaces in which branches that break a symmetry live (``docs/theory/symmetry_and_blocks.md``).
+``shapes.large_multipliers``): it changes mesh and chart as the solution asks for it, knows the stability of its solutions, and
+embeds them in the larger spaces in which branches that break a symmetry live (``docs/theory/symmetry_and_blocks.md``).
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from pearlbvp.helfrich import Fixed
 from pearlbvp.membrane import Grid, MembraneProblem, Surface, fixed_of_tree
 from pearlbvp.membrane import repeated as repeated_surface
 from pearlbvp.representation import brief
-from pearlbvp.shapes import axisymmetric, tension
-from pearlbvp.shapes.cells import HALF_CELL, HALF_CELL_TENSION, full_cell, mirrored, repeated_cells
+from pearlbvp.shapes import axisymmetric, large_multipliers
+from pearlbvp.shapes.cells import HALF_CELL, HALF_CELL_LARGE, full_cell, mirrored, repeated_cells
 from pearlbvp.stability.bloch import SecondVariation
 from pearlbvp.stability.profile import Profile
 from pearlbvp.stability.spectrum import Block, block_rates, spectrum
@@ -40,7 +40,7 @@ from pearlbvp.units import Sentence
 
 Centre = Literal["pearl", "neck"]
 
-LARGE_TENSION, SMALL_TENSION = 12.0, 6.0
+ENTER_LARGE, LEAVE_LARGE = 12.0, 6.0
 """``|lambda1|`` above which a half cell changes to the chart of large multipliers, and below which it changes back.
 
 Of short pearls times the square of their wave number, which is the size of their multipliers."""
@@ -90,25 +90,25 @@ class PearlProblem(MembraneProblem):
         return self.reference is None
 
     @property
-    def large_tension(self) -> bool:
-        """Whether the unknown is that of the chart of large multipliers (``shapes.tension``)."""
-        return self.discretization.problem is HALF_CELL_TENSION
+    def in_large_chart(self) -> bool:
+        """Whether the unknown is that of the chart of large multipliers (``shapes.large_multipliers``)."""
+        return self.discretization.problem is HALF_CELL_LARGE
 
     def multipliers(self, values: Array, parameters: Array) -> tuple[Array, Array]:
         """States ``r, psi, h, w`` and parameters with ``lambda1, lambda2``, whatever the chart."""
-        return tension.to_multipliers(values, parameters) if self.large_tension else (values, parameters)
+        return large_multipliers.to_multipliers(values, parameters) if self.in_large_chart else (values, parameters)
 
     def change_chart(self, large: bool, u: Array, *tangents: Array) -> tuple[PearlProblem, list[Array]]:
         """A half-cell solution, and tangents of it, in the one chart or the other."""
-        if large == self.large_tension:
+        if large == self.in_large_chart:
             return self, [u, *tangents]
         d = self.discretization
-        convert = tension.from_multipliers if large else tension.to_multipliers
+        convert = large_multipliers.from_multipliers if large else large_multipliers.to_multipliers
         names = {"lambda1": "compliance", "lambda2": "mean"}
         if not large:
             names = {new: old for old, new in names.items()}
         free = tuple(names.get(name, name) for name in d.free)
-        problem = HALF_CELL_TENSION if large else HALF_CELL
+        problem = HALF_CELL_LARGE if large else HALF_CELL
         _, parameters = convert(d.values(u), d.all_parameters(u))
         weights = weights_of(self.wave_number, large)
         other = replace(d, problem=problem, parameters=parameters, free=free, weights=weights)
@@ -122,7 +122,7 @@ class PearlProblem(MembraneProblem):
 
     def poles(self, u: Array) -> dict[str, float]:
         """Functions at whose zeros growth rates pass through infinity: ``cmc``, constant mean curvature."""
-        return {"cmc": float(self.discretization.all_parameters(u)[1])} if self.large_tension else {}
+        return {"cmc": float(self.discretization.all_parameters(u)[1])} if self.in_large_chart else {}
 
     def residual(self, u: Array) -> Array:
         """Defects, boundary conditions and constraints at ``u``."""
@@ -159,10 +159,10 @@ class PearlProblem(MembraneProblem):
         None if mesh and chart will do.
         """
         d = self.discretization
-        chart_parameter = abs(d.all_parameters(u)[1]) * self.wave_number ** (2 if self.large_tension else -2)
-        size = 1 / max(chart_parameter, 1e-300) if self.large_tension else chart_parameter
-        if self.half and (size > LARGE_TENSION if not self.large_tension else size < SMALL_TENSION):
-            changed, moved = self.change_chart(not self.large_tension, u, *others)
+        chart_parameter = abs(d.all_parameters(u)[1]) * self.wave_number ** (2 if self.in_large_chart else -2)
+        size = 1 / max(chart_parameter, 1e-300) if self.in_large_chart else chart_parameter
+        if self.half and (size > ENTER_LARGE if not self.in_large_chart else size < LEAVE_LARGE):
+            changed, moved = self.change_chart(not self.in_large_chart, u, *others)
             return changed.remesh(*moved) or (changed, moved)
         polynomial = d.polynomial(u)
         error = float(error_estimate(polynomial).max())
@@ -176,7 +176,7 @@ class PearlProblem(MembraneProblem):
 
     def transfer(self, other: PearlProblem, u: Array) -> Array:
         """An unknown that lives on another problem's mesh and chart, moved onto this one's."""
-        other, (u,) = other.change_chart(self.large_tension, u)
+        other, (u,) = other.change_chart(self.in_large_chart, u)
         if np.array_equal(other.discretization.mesh, self.discretization.mesh):
             return u
         _, (moved,) = other.discretization.on_mesh(self.discretization.mesh, u)
@@ -342,7 +342,7 @@ class PearlProblem(MembraneProblem):
         d = self.discretization
         tree: dict[str, Any] = {
             "mesh": d.mesh, "degree": d.scheme.m, "parameters": d.parameters, "free": ",".join(d.free),
-            "tolerance": self.tolerance, "cells": self.cells, "fixed": self.fixed, "large_tension": self.large_tension,
+            "tolerance": self.tolerance, "cells": self.cells, "fixed": self.fixed, "in_large_chart": self.in_large_chart,
             "wave_number": self.wave_number,
         }  # fmt: skip
         if self.reference is not None:
@@ -359,12 +359,12 @@ class PearlProblem(MembraneProblem):
         reference = None
         if "reference_mesh" in tree:
             reference = PiecewisePolynomial(tree["reference_mesh"], tree["reference_values"])
-        problem = HALF_CELL_TENSION if tree["large_tension"] else HALF_CELL
+        problem = HALF_CELL_LARGE if tree["in_large_chart"] else HALF_CELL
         if reference is not None:
             problem = full_cell(reference)
         scheme, free = gauss_scheme(int(tree["degree"])), tuple(tree["free"].split(","))
         wave_number = float(tree["wave_number"])
-        weights = weights_of(wave_number, bool(tree["large_tension"]))
+        weights = weights_of(wave_number, bool(tree["in_large_chart"]))
         discretization = Discretization(problem, scheme, tree["mesh"], tree["parameters"], free, weights)
         return cls(
             discretization, reference, float(tree["tolerance"]), int(tree["cells"]), fixed_of_tree(tree), wave_number
@@ -377,7 +377,7 @@ class PearlProblem(MembraneProblem):
         return float(np.ptp(force))
 
 
-def weights_of(wave_number: float, large_tension: bool) -> Array | None:
+def weights_of(wave_number: float, in_large_chart: bool) -> Array | None:
     """Weights of states and parameters, of a full cell's too, in the inner product; None where all are 1.
 
     With ``k`` the wave number, ``h`` is of size ``k`` on short pearls, ``w`` and both multipliers are of size ``k^2``; slopes
@@ -385,6 +385,6 @@ def weights_of(wave_number: float, large_tension: bool) -> Array | None:
     """
     if wave_number == 1:
         return None
-    states = (0, 0, -3, -4) if large_tension else (0, 0, -1, -2)
-    parameters = (0, 2, 0, -1, 0, 0, 0) if large_tension else (0, -2, -2, -1, 0, 0, 0)
+    states = (0, 0, -3, -4) if in_large_chart else (0, 0, -1, -2)
+    parameters = (0, 2, 0, -1, 0, 0, 0) if in_large_chart else (0, -2, -2, -1, 0, 0, 0)
     return np.asarray(wave_number ** (2.0 * np.array(states + parameters)))

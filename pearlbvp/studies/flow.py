@@ -6,12 +6,12 @@ import os
 from collections.abc import Mapping
 from typing import Any
 
-from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.checkpoint import KIND, state_of_tree, state_tree
-from pearlbvp.flow.mesh import MeshFlow
-from pearlbvp.flow.problem import FlowProblem
-from pearlbvp.flow.record import FlowState
-from pearlbvp.flow.tube import TubeFlow
+from pearlbvp.flows.axisymmetric import GraphFlow
+from pearlbvp.flows.checkpoint import KIND, state_of_tree, state_tree
+from pearlbvp.flows.mesh import MeshFlow
+from pearlbvp.flows.problem import FlowProblem
+from pearlbvp.flows.record import FlowState
+from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.hdf5 import load_tree, save_tree
 
 KINDS: dict[str, Any] = {"graph": GraphFlow, "tube": TubeFlow, "mesh": MeshFlow}

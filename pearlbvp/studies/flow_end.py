@@ -20,10 +20,10 @@ from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
-from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.mesh import MeshFlow
-from pearlbvp.flow.record import Equilibrium, FlowResult
-from pearlbvp.flow.tube import TubeFlow
+from pearlbvp.flows.axisymmetric import GraphFlow
+from pearlbvp.flows.mesh import MeshFlow
+from pearlbvp.flows.record import Equilibrium, FlowResult
+from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.helfrich import Fixed
 from pearlbvp.mesh.problem import MeshProblem, about
 from pearlbvp.mesh.start import solved
@@ -168,7 +168,7 @@ def _meshes(end: Equilibrium) -> tuple[MeshProblem, Array]:
     similar, reference = similarity(end), flow.reference
     mesh = similar.surface_from_user(replace(reference.mesh, vertices=flow.vertices(end.q)))
     c0, parameters = similar.from_user("c0", reference.c0), _parameters(found, similar)
-    problem, u = about(mesh, c0, parameters, reference.kind, fixed=reference.fixed, adapt=reference.adapt)
+    problem, u = about(reference.functional.on(mesh), c0, parameters, fixed=reference.fixed, adapt=reference.adapt)
     return problem, solved(problem, u)
 
 

@@ -12,14 +12,14 @@ from pearlbvp.arrays import Array
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
-from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.driver import FlowOptions, constrained, flow
-from pearlbvp.flow.mesh import MeshFlow, mesh_flow
-from pearlbvp.flow.perturbation import along_critical, bump
-from pearlbvp.flow.problem import Law
-from pearlbvp.flow.record import FlowResult
-from pearlbvp.flow.steady import polished
-from pearlbvp.flow.tube import TubeFlow
+from pearlbvp.flows.axisymmetric import GraphFlow
+from pearlbvp.flows.driver import FlowOptions, constrained, flow
+from pearlbvp.flows.mesh import MeshFlow, mesh_flow
+from pearlbvp.flows.perturbation import along_critical, bump
+from pearlbvp.flows.problem import Law
+from pearlbvp.flows.record import FlowResult
+from pearlbvp.flows.steady import polished
+from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.helfrich import Tube, finite
 from pearlbvp.mesh.adaptation import smoothed
 from pearlbvp.mesh.functional import Functional, Kind
@@ -247,7 +247,7 @@ def mesh_start(
 
     Args:
         point: of a branch of any family; of a branch on meshes it is taken as it is, and ``nodes`` and ``kind`` are not used.
-        nodes: vertices of the mesh, or a mesh of the straight tube that is carried over to the shape.
+        nodes: vertices of the mesh, or a mesh of the straight tube that is mapped onto the shape.
         kind: the discretization.
         law: what the flow keeps.
 

@@ -14,7 +14,7 @@ from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import choice, whole
-from pearlbvp.mesh.families import Surface, carried, tube_mesh
+from pearlbvp.mesh.families import Surface, mapped, tube_mesh
 from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
@@ -35,7 +35,7 @@ def meshed(
 
     Args:
         point: of a branch of any family.
-        nodes: vertices of the mesh, or a mesh of the straight tube that is carried over to the shape. A shape on a mesh has
+        nodes: vertices of the mesh, or a mesh of the straight tube that is mapped onto the shape. A shape on a mesh has
             its own.
         kind: the discretization; a shape on a mesh has its own.
 
@@ -65,7 +65,7 @@ def shape_mesh(point: Solution[Any], nodes: int | PeriodicMesh = NODES) -> Perio
 
     Args:
         point: of a branch of any family.
-        nodes: vertices of the mesh, or a mesh of the straight tube that is carried over to the shape.
+        nodes: vertices of the mesh, or a mesh of the straight tube that is mapped onto the shape.
 
     Raises:
         InputError: so few nodes make no good triangles.
@@ -77,7 +77,7 @@ def shape_mesh(point: Solution[Any], nodes: int | PeriodicMesh = NODES) -> Perio
         return own
     surface: Surface = problem.parametrized(point.u)
     if isinstance(nodes, PeriodicMesh):
-        return carried(nodes, surface)
+        return mapped(nodes, surface)
     return tube_mesh(point.observables["L"], nodes, surface, (problem.turns, 1) if problem.turns else None)
 
 

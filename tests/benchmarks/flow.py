@@ -20,8 +20,8 @@ from scipy.integrate import solve_ivp
 from scipy.sparse import issparse
 
 from pearlbvp.arrays import Array
-from pearlbvp.flow.axisymmetric import GraphFlow
-from pearlbvp.flow.driver import FlowOptions, first_rates, flow
+from pearlbvp.flows.axisymmetric import GraphFlow
+from pearlbvp.flows.driver import FlowOptions, first_rates, flow
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.families import tube_mesh
 from pearlbvp.studies.branch import branch_options, family_branch

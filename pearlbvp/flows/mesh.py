@@ -22,7 +22,7 @@ from scipy.sparse.linalg import splu
 from pearlbvp.arrays import Array
 from pearlbvp.bordered import factorized
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Law, Trouble, check_law
+from pearlbvp.flows.problem import Law, Trouble, check_law
 from pearlbvp.helfrich import Fixed
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import vertex_normals
@@ -57,9 +57,8 @@ def mesh_flow(
         others: further attributes of the ``MeshProblem``.
     """
     fixed: Fixed = "area" if law == "area" else "area and volume"
-    reference = MeshProblem(mesh, np.zeros((0, mesh.count)), c0, kind, fixed, **others)
-    if functional is not None:
-        reference.__dict__["functional"] = functional.on(mesh)
+    on_mesh = Functional(mesh, kind) if functional is None else functional.on(mesh)
+    reference = MeshProblem(on_mesh, np.zeros((0, mesh.count)), c0, fixed, **others)
     return MeshFlow(reference, law, pressure)
 
 
@@ -260,7 +259,7 @@ class MeshFlow:
         Raises:
             InputError: no mesh of the surface is to be had.
         """
-        found = self.reference.respread(self._unknown(q, np.zeros(2)), [])
+        found = self.reference.renewed(self._unknown(q, np.zeros(2)), [])
         if found is None:
             return None
         mesh, _, options = found

@@ -24,10 +24,10 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError, interrupted
-from pearlbvp.flow.integrator import Tolerances, integrator
-from pearlbvp.flow.problem import FlowProblem
-from pearlbvp.flow.record import Equilibrium, FlowResult, FlowState, Record, Status
-from pearlbvp.flow.steady import polished
+from pearlbvp.flows.integrator import Tolerances, integrator
+from pearlbvp.flows.problem import FlowProblem
+from pearlbvp.flows.record import Equilibrium, FlowResult, FlowState, Record, Status
+from pearlbvp.flows.steady import polished
 from pearlbvp.units import Sentence
 
 

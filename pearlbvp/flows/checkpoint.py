@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pearlbvp.flow.record import COLUMNS, FlowState, Frame, Record
+from pearlbvp.flows.record import COLUMNS, FlowState, Frame, Record
 
 KIND = "pearlbvp flow"
 """What files of flows call themselves."""

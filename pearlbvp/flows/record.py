@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.flow.problem import FlowProblem
+from pearlbvp.flows.problem import FlowProblem
 from pearlbvp.representation import brief
 
 if TYPE_CHECKING:

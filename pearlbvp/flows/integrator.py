@@ -20,7 +20,7 @@ from sksundae.ida import IDA, IDAJacTimes, IDAPrecond
 
 from pearlbvp.arrays import Array
 from pearlbvp.bordered import Bordered, Pinned
-from pearlbvp.flow.problem import FlowProblem
+from pearlbvp.flows.problem import FlowProblem
 
 IGNORED = 1e8
 """Absolute tolerance of the multipliers, at which IDA's error test ignores them."""

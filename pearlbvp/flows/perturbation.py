@@ -8,7 +8,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import FlowProblem
+from pearlbvp.flows.problem import FlowProblem
 
 SUBSTEPS = 8
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
-from pearlbvp.flow.problem import Law, Trouble, check_law
-from pearlbvp.flow.spectrum import growth_rates
+from pearlbvp.flows.problem import Law, Trouble, check_law
+from pearlbvp.flows.spectrum import growth_rates
 from pearlbvp.representation import brief
 from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Mode, sections

@@ -7,8 +7,8 @@ from scipy.sparse import issparse
 
 from pearlbvp.arrays import Array
 from pearlbvp.bordered import Pinned
-from pearlbvp.flow.problem import FlowProblem
-from pearlbvp.flow.record import Equilibrium
+from pearlbvp.flows.problem import FlowProblem
+from pearlbvp.flows.record import Equilibrium
 from pearlbvp.newton import NewtonOptions, newton
 
 FARTHEST = 0.1
