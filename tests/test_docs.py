@@ -5,6 +5,7 @@ import shlex
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 import pytest
 from commands import run
 
@@ -75,6 +76,13 @@ def test_a_family_is_added_by_one_file_outside_of_the_package(in_a_folder, tmp_p
     assert (status, err) == (0, "")
     assert out.splitlines()[-1].split(",")[1] == "stop"
     assert pb.load("s.h5")[-1].problem.family == "screw"
+    with monkeypatch.context() as without:
+        without.setattr(families, "_added", {})
+        without.setattr(families, "entry_points", lambda group: [])
+        assert run(capsys, "show", "s.h5")[::2] == (
+            2,
+            "pearlbvp: FILE: s.h5 holds shapes of a family that is not here, 'screw'; install or register what adds it\n",
+        )
     status, _, err = run(capsys, "branch", "screw", *options, "--mode", "1,2")
     assert (status, err.count("\n")) == (2, 1)
     assert err.startswith("pearlbvp: --mode: 1,2 is none of a screw")
@@ -85,6 +93,19 @@ def test_a_family_is_added_by_one_file_outside_of_the_package(in_a_folder, tmp_p
     ):
         status, _, err = run(capsys, *refused)
         assert (status, err.count("\n")) == (2, 1), err
+
+
+@pytest.mark.parametrize(("digits", "lambda1", "said"), [(2, -2.398, True), (3, -2.399, True), (12, -2.399, False)])
+def test_profiles_of_few_digits_start_as_the_page_says(in_a_folder, capsys, digits, lambda1, said):
+    """docs/files_and_tables.md: the first row of a flow from 41 rows of a profile."""
+    x = np.linspace(0, 10 / 3, 41)
+    rows = [f"{at:.12g},{1 + 0.1 * np.sin(2 * np.pi * at / x[-1]):.{digits}f}" for at in x]
+    Path("p.csv").write_text("\n".join(["x,r", *rows]))
+    how = ["--c0", "0", "--length", repr(10 / 3), "--time", "1e-9"]
+    status, out, err = run(capsys, "flow", "--profile", "p.csv", *how)
+    assert status == 0
+    assert float(out.splitlines()[1].split(",")[2]) == pytest.approx(lambda1, abs=5e-4)
+    assert ("smoothed" in err) == said
 
 
 def test_the_readme_is_short():

@@ -7,6 +7,8 @@ from typing import Any
 
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.storage import KIND, UNDEFINED, branch_of_tree, branch_tree
+from pearlbvp.errors import InputError
+from pearlbvp.files import shortened
 from pearlbvp.hdf5 import load_tree, save_tree
 from pearlbvp.studies import families
 from pearlbvp.studies.branch import known_branch
@@ -38,7 +40,17 @@ def load(path: str | os.PathLike[str], name: str = "path") -> Branch[Any]:
     """
     writer = "pearlbvp branch --save"
     kinds = {problem.stored_as: problem for problem in families.problems()}
-    return load_tree(name, path, KIND, lambda tree: branch_of_tree(tree, kinds), writer=writer, undefined=UNDEFINED)
+
+    def made(tree: dict[str, Any]) -> Branch[Any]:
+        kind = tree["kind"]
+        if isinstance(kind, str) and kind not in kinds:
+            raise InputError(
+                f"{name}: {shortened(path)} holds shapes of a family that is not here, {kind!r}; "
+                "install or register what adds it"
+            )
+        return branch_of_tree(tree, kinds)
+
+    return load_tree(name, path, KIND, made, writer=writer, undefined=UNDEFINED)
 
 
 def kind_of(branch: Branch[Any]) -> str:
