@@ -13,10 +13,8 @@ from pearlbvp._version import __version__
 if TYPE_CHECKING:
     from pearlbvp.bvp import continue_bvp, solve_bvp
     from pearlbvp.errors import InputError
-    from pearlbvp.front import Branch, Solution, branch, diagram, flow, load
+    from pearlbvp.front import Branch, Solution, amplitude, branch, diagram, dispersion, flow, load
     from pearlbvp.helfrich import Tube
-    from pearlbvp.studies.amplitude import coefficients as amplitude
-    from pearlbvp.studies.dispersion import branch_points as dispersion
     from pearlbvp.studies.families import register
     from pearlbvp.studies.localized import localized_pearls
     from pearlbvp.studies.period import pearl_periods
@@ -26,11 +24,11 @@ _HOMES = {
     "InputError": "errors:InputError",
     "Solution": "front:Solution",
     "Tube": "helfrich:Tube",
-    "amplitude": "studies.amplitude:coefficients",
+    "amplitude": "front:amplitude",
     "branch": "front:branch",
     "continue_bvp": "bvp:continue_bvp",
     "diagram": "front:diagram",
-    "dispersion": "studies.dispersion:branch_points",
+    "dispersion": "front:dispersion",
     "flow": "front:flow",
     "load": "front:load",
     "localized_pearls": "studies.localized:localized_pearls",

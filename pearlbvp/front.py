@@ -350,3 +350,25 @@ def diagram(
     options = None if until is None else branch_options(until)
     found = study(tube.c0, tube.length, depth, options, modes=modes, processes=processes)
     return replace(found, branches={name: Branch.of(followed) for name, followed in found.branches.items()})
+
+
+def dispersion(tube: Tube, max_m: int | None = None, max_n: int = 4) -> pd.DataFrame:
+    """Every branch point of the straight tube with at most so many waves along it and around it, by increasing ``lambda2``.
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+    from pearlbvp.studies.dispersion import branch_points
+
+    return branch_points(tube.c0, tube.length, max_m, max_n)
+
+
+def amplitude(tube: Tube, modes: Iterable[WaveNumbers]) -> pd.DataFrame:
+    """Coefficients of the amplitude equations of some modes, and which of their branches are stable at onset.
+
+    Raises:
+        InputError: an argument that cannot be used.
+    """
+    from pearlbvp.studies.amplitude import coefficients
+
+    return coefficients(tube.c0, tube.length, modes)

@@ -66,3 +66,60 @@ def test_lengths_are_converted_in_one_place():
         or (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and "radius" in ast.unparse(node.left))
     }
     assert asking == {"units.py"}
+
+
+def modules():
+    """Every file of the package with the files that it imports where it is itself imported, type checking included."""
+    names = {
+        path: ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+        for path in PACKAGE.rglob("*.py")
+    }
+    known = set(names.values())
+    graph = {}
+    for path, name in names.items():
+        graph[name] = set()
+        tree = ast.parse(path.read_text())
+        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+        inside = {id(node) for function in functions for node in ast.walk(function)}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and id(node) not in inside:
+                whole = {f"{node.module}.{alias.name}" for alias in node.names} | {str(node.module)}
+                graph[name] |= {found for found in whole if found in known}
+    return graph
+
+
+def test_no_file_imports_itself_by_way_of_others():
+    """Packages' own files are left out: they hand on what is in them."""
+    graph = {
+        name: {other for other in others if other in graph} for graph in [modules()] for name, others in graph.items()
+    }
+    packages = {".".join(path.parent.relative_to(PACKAGE.parent).parts) for path in PACKAGE.rglob("__init__.py")}
+    done, path = set(), []
+
+    def visit(name):
+        assert name not in path, " > ".join([*path[path.index(name) :], name])
+        if name not in done and name not in packages:
+            path.append(name)
+            for other in graph[name]:
+                visit(other)
+            path.pop()
+            done.add(name)
+
+    for name in graph:
+        visit(name)
+
+
+def test_no_object_is_written_into_behind_its_back():
+    writing = [
+        path.name
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Attribute) and node.attr == "__dict__"
+    ]
+    assert writing == []
+
+
+def test_files_fit_a_reader_s_head():
+    lengths = {path.name: len(path.read_text().splitlines()) for path in PACKAGE.rglob("*.py")}
+    too_long = {name: length for name, length in lengths.items() if length > 400}
+    assert too_long == {}

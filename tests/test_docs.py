@@ -89,7 +89,6 @@ def test_a_family_is_added_by_one_file_outside_of_the_package(in_a_folder, tmp_p
     for refused in (
         ["branch", "screw", *options, "--nodes", "500"],
         ["branch", "screw", *options, "--tolerance", "1e-9"],
-        ["flow", "--family", "screw", "--c0=-1", "--length", "10", "--point", "v=0.99"],
     ):
         status, _, err = run(capsys, *refused)
         assert (status, err.count("\n")) == (2, 1), err

@@ -13,7 +13,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.units import Sentence, Units
 
 
-class Numbers(click.ParamType):
+class Numbers(click.ParamType):  # type: ignore[type-arg]
     """A list of numbers: ``15,30,45`` or ``start:stop:step``."""
 
     name = "numbers"
@@ -25,7 +25,7 @@ class Numbers(click.ParamType):
         return value if isinstance(value, list) else parse_numbers(_option(param), value)
 
 
-class Number(click.ParamType):
+class Number(click.ParamType):  # type: ignore[type-arg]
     """One finite number."""
 
     name = "number"
@@ -37,7 +37,7 @@ class Number(click.ParamType):
         return finite(_option(param), value)
 
 
-class File(click.ParamType):
+class File(click.ParamType):  # type: ignore[type-arg]
     """A file's name, which a Path would take from ``name/`` as well."""
 
     name = "file"
@@ -54,7 +54,7 @@ def _option(param: click.Parameter | None) -> str:
     return param.opts[0] if param is not None else "argument"
 
 
-class Radius(click.ParamType):
+class Radius(click.ParamType):  # type: ignore[type-arg]
     """The radius of the straight tube in the user's unit of length, which everything is converted by."""
 
     name = "number"
@@ -66,7 +66,7 @@ class Radius(click.ParamType):
         return value if isinstance(value, Units) else Units(positive(_option(param), value), given=True)
 
 
-class FamilyName(click.ParamType):
+class FamilyName(click.ParamType):  # type: ignore[type-arg]
     """The name of a family of shapes, of the package or added to it."""
 
     name = "family"
@@ -84,7 +84,7 @@ class FamilyName(click.ParamType):
         return str(value)
 
 
-class Nodes(click.ParamType):
+class Nodes(click.ParamType):  # type: ignore[type-arg]
     """Vertices of a mesh: a whole number."""
 
     name = "nodes"
@@ -117,7 +117,7 @@ def check_meshable(length: float) -> None:
         raise InputError(Sentence(text, L=length))
 
 
-class Until(click.ParamType):
+class Until(click.ParamType):  # type: ignore[type-arg]
     """``NAME=VALUE``, or a special point: ``bp``, ``bp:2``, ``fold:v``, ``fold:v:2``, ``cmc``."""
 
     name = "name=value|kind[:k]"
@@ -151,7 +151,7 @@ def wanted_places(until: Sequence[tuple[str, float]], units: Units) -> dict[str,
     return {name: units.named_from_user(name, value) for name, value in until}
 
 
-class SpecialKind(click.ParamType):
+class SpecialKind(click.ParamType):  # type: ignore[type-arg]
     """``KIND:K``: the K-th special point of a kind."""
 
     name = "kind:k"
@@ -164,7 +164,7 @@ class SpecialKind(click.ParamType):
         return kind, int(number)
 
 
-class ModeNumbers(click.ParamType):
+class ModeNumbers(click.ParamType):  # type: ignore[type-arg]
     """``m,n``: waves along and around the tube."""
 
     name = "m,n"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import File, ModeNumbers, Number
+from pearlbvp.commands.arguments import FamilyName, File, ModeNumbers, Number
 from pearlbvp.commands.command import Command, of_this_command, options_given
 from pearlbvp.commands.output import (
     DONE,
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     "pearlbvp flow --c0 0 --length 0.5 --radius 0.05 --point v=1.1 --delta=-0.005 --out f.csv",
 )
 @click.option("--from", "source", type=File(), metavar="FILE.h5", help="A saved branch of any family.")
-@click.option("--family", type=click.Choice(["pearl", "ring", "coil", "buckle"]), default="pearl", show_default=True,
+@click.option("--family", type=FamilyName(), default="pearl", show_default=True,
               help="Without --from: the branch that is followed to --point NAME=VALUE.")  # fmt: skip
 @click.option("--c0", type=Number(), help="Without --from: spontaneous curvature.")
 @click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the tube.")
@@ -88,7 +88,7 @@ if TYPE_CHECKING:
 @click.option("--max-seconds", type=Number(), default=600.0, show_default=True, help="Give up after so long.")
 @click.option("--save", type=File(), metavar="FILE.h5", help="Save the flow, also on the way.")
 @click.option("--save-end", type=File(), metavar="FILE.h5",
-              help="Save the shape it rests on as a branch of one point, for pearlbvp branch --resume.")  # fmt: skip
+              help="Save the shape it rests on as a branch of one point, for pearlbvp resume.")  # fmt: skip
 @click.option("--resume", type=File(), metavar="FILE.h5", help="Go on from a saved flow.")
 @click.option("--movie", type=File(), metavar="FILE.gif", help="Write a movie.")
 @outputs

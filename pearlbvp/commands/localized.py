@@ -10,7 +10,7 @@ import click
 
 from pearlbvp.commands.arguments import File, Number, Numbers
 from pearlbvp.commands.command import Command
-from pearlbvp.commands.output import check_distinct, check_outputs, computed_aside, outputs, radius_option, write
+from pearlbvp.commands.output import check_distinct, check_outputs, outputs, radius_option, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,11 +55,11 @@ def localized(
 
         reference = read_reference(compare)
     scaled = [units.from_user("L", length) for length in lengths]
-    rows = computed_aside(
-        "pearlbvp.studies.localized", "localized_rows", tube.c0, tube.length, scaled,
-        figures="pearlbvp.figures.localized" if plot else None,
-    )  # fmt: skip
     import pandas as pd
+
+    from pearlbvp.studies.localized import localized_rows
+
+    rows = localized_rows(tube.c0, tube.length, scaled)
 
     table = units.columns(pd.DataFrame(rows))
     if reference is not None:

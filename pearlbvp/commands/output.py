@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
-import importlib
-import multiprocessing
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,27 +63,6 @@ def _print_table(table: pd.DataFrame) -> None:
     except OSError as error:
         drop(sys.stdout)
         raise InputError(why_not_written(error)) from None
-
-
-def _call(module: str, name: str, arguments: tuple[Any, ...]) -> Any:
-    return getattr(importlib.import_module(module), name)(*arguments)
-
-
-def computed_aside(module: str, name: str, *arguments: Any, figures: str | None) -> Any:
-    """The result of a study's function, from a second process, while this one loads pandas and matplotlib.
-
-    Loading compiled code and loading the libraries for tables and pictures take about a second each. Where that process is
-    killed, for want of memory say, this one does its work.
-    """
-    method = "fork" if sys.platform.startswith("linux") else None  # elsewhere forking is not safe
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(method)) as pool:
-        future = pool.submit(_call, module, name, arguments)
-        importlib.import_module("pandas")
-        if figures is not None:
-            importlib.import_module(figures)
-        with contextlib.suppress(BrokenProcessPool):
-            return future.result()
-    return _call(module, name, arguments)
 
 
 def check_outputs(out: Path | None, plot: Path | None) -> tuple[Path | None, Path | None]:

@@ -7,7 +7,6 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +16,6 @@ from pearlbvp.mesh.functional import Functional
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.subdivision import patches
 from pearlbvp.projection import Projection
-
-if TYPE_CHECKING:
-    from pearlbvp.mesh.problem import MeshProblem
 
 
 def amplitudes(surface: PeriodicMesh, m: int, n: int) -> tuple[complex, complex]:
@@ -31,13 +27,13 @@ def amplitudes(surface: PeriodicMesh, m: int, n: int) -> tuple[complex, complex]
     return _of_graph(of_polyhedron(surface), surface.length, m, n)
 
 
-def amplitudes_at(problem: MeshProblem, u: Array, m: int, n: int) -> tuple[complex, complex]:
-    """``A`` and ``B`` of a solution, to the order of its discretization: fourth on a limit surface, second on a polyhedron.
+def amplitudes_at(functional: Functional, vertices: Array, m: int, n: int) -> tuple[complex, complex]:
+    """``A`` and ``B`` of a surface, to the order of its discretization: fourth on a limit surface, second on a polyhedron.
 
     Raises:
         InputError: the surface is no graph over the cylinder.
     """
-    return _of_graph(projected(problem.functional, problem.vertices(u)), problem.length, m, n)
+    return _of_graph(projected(functional, vertices), functional.mesh.length, m, n)
 
 
 def largest_wave(functional: Functional, vertices: Array) -> float:

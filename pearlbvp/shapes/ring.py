@@ -289,13 +289,6 @@ class RingProblem(MembraneProblem):
         direction *= np.sign(tangent[-1])  # v is the last unknown of both
         return problem, result.u, direction / np.sqrt(problem.inner(direction, direction))
 
-    def first_integral_spread(self, u: Array) -> float:
-        """Largest minus smallest ``kappa'^2 + kappa^4/4 - a kappa^2 - 2 p kappa`` at the mesh points: a free error measure."""
-        d = self.discretization
-        _, kappa, slope = d.values(u)[:: d.scheme.m].T
-        a, p = u[-3], u[-2]
-        return float(np.ptp(slope**2 + kappa**4 / 4 - a * kappa**2 - 2 * p * kappa))
-
     def radius_cosines(self, u: Array, count: int) -> Array:
         """Fourier coefficients of the radius over the polar angle: ``r = sum of coefficient[b] cos(b n phi)``.
 

@@ -173,17 +173,7 @@ def family_branch(
         InputError: an argument that cannot be used.
 
     Example:
-        >>> from pearlbvp.helfrich import (
-    Fixed,
-    Tube,
-    WaveNumbers,
-    choice,
-    cylinder_energy,
-    cylinder_lambda1,
-    finite,
-    mode_numbers,
-    whole,
-    )
+        >>> from pearlbvp.helfrich import Tube
         >>> pearls = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.01}))
         >>> pearls.complete, pearls.find("bp")[0].block.n
         (True, 0)

@@ -6,6 +6,7 @@ import itertools
 from typing import Any
 
 from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.events import SAME_VALUE
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.continuation.solution import Solution
@@ -87,9 +88,10 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Solution[An
         raise InputError(
             f"point: {column!r} is no column of the branch; choose one of {', '.join(points[0].observables)}"
         )
+    reached = SAME_VALUE * (1 + abs(value))
     for before, after in itertools.pairwise(points):
         ends = [point.observables[column] - value for point in (before, after)]
-        if ends[1] == 0:
+        if abs(ends[1]) <= reached:
             return after
         if ends[0] * ends[1] < 0:
             try:

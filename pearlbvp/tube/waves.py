@@ -18,8 +18,16 @@ from scipy.fft import irfft2, rfft2
 from scipy.sparse import csc_array
 
 from pearlbvp.arrays import Array, Complex
-from pearlbvp.compiled import compiled
 from pearlbvp.representation import brief
+from pearlbvp.tube.kernels import (
+    add_sections,
+    all_frequencies,
+    lower_halves,
+    means_over_modes,
+    reduced_to_modes,
+    spectrum_of_modes,
+    wave_forms,
+)
 from pearlbvp.tube.modes import Mode
 
 FIELDS = range(10)
@@ -108,7 +116,7 @@ class Waves:
         order = np.argsort(self.p, kind="stable")
         order = order[~self.centre[order]]
         starts = np.append(np.flatnonzero(np.diff(self.p[order], prepend=-1)), len(order))
-        _add_sections(
+        add_sections(
             tuple(forms[:3]), self.k, self.p, self.b, order, starts, transform.coefficients, cell.period, cell.fold
         )
         return forms
@@ -125,7 +133,7 @@ class Waves:
         """
         changed = np.hstack((self.moved, (self.symbols[:, :4] / (1j, 1.0, 1j, 1.0)).real))
         ends = np.where(self.centre[:, None], (0, 4), (0, 6))
-        found = _forms(
+        found = wave_forms(
             self.moved, self._moved_ends, changed, ends, self.p, self.b, *transform, cell.period, cell.fold, False, False
         )  # fmt: skip
         return Forms(*found)
@@ -138,7 +146,7 @@ class Waves:
     def _forms(
         self, cell: Cell, z: Array, ends: NDArray[np.intp], transform: MatrixTransform, *, of_centre: bool = False
     ) -> Forms:
-        found = _forms(z, ends, z, ends, self.p, self.b, *transform, cell.period, cell.fold, True, of_centre)
+        found = wave_forms(z, ends, z, ends, self.p, self.b, *transform, cell.period, cell.fold, True, of_centre)
         return Forms(*found[:3])
 
 
@@ -194,10 +202,6 @@ class MatrixTransform(NamedTuple):
     signs: Array
 
 
-REAL = 1e-14
-"""Imaginary parts below this, by the largest coefficient, are rounding."""
-
-
 def matrix_transform(
     cell: Cell, weights: Array, imaginary: Sequence[int], basis: Array | None = None
 ) -> MatrixTransform:
@@ -210,78 +214,13 @@ def matrix_transform(
         basis: what makes the matrices' vectors of others that are meant, shape (F, F).
     """
     size = weights.shape[1]
-    lower = _lower_halves(weights, np.eye(size) if basis is None else basis)
+    lower = lower_halves(weights, np.eye(size) if basis is None else basis)
     half = rfft2(lower.reshape(-1, *cell.points), norm="forward")
     signs = np.where(np.isin(np.arange(size), imaginary), -1.0, 1.0)
-    return MatrixTransform(_all_frequencies(half, cell.points[1], signs), signs)
+    return MatrixTransform(all_frequencies(half, cell.points[1], signs), signs)
 
 
 # Arrays of megabytes are costly to come by, whatever is done with them: these loops make few.
-
-
-@compiled
-def _lower_halves(weights, basis):  # type: ignore[no-untyped-def]
-    """Lower halves, row by row, of ``basis^T weights basis`` at each point: shape (F(F + 1)/2, K)."""
-    count, size = weights.shape[:2]
-    found = np.empty((size * (size + 1) // 2, count))
-    used = np.zeros((size, size), dtype=np.int64)  # rows of each column of the basis that are not zero
-    many = np.zeros(size, dtype=np.int64)
-    for a in range(size):
-        for i in range(size):
-            if basis[i, a] != 0:
-                used[a, many[a]] = i
-                many[a] += 1
-    for k in range(count):
-        entry = 0
-        for a in range(size):
-            for c in range(a + 1):
-                total = 0.0
-                for i in used[a, : many[a]]:
-                    for j in used[c, : many[c]]:
-                        total += basis[i, a] * basis[j, c] * weights[k, i, j]
-                found[entry, k] = total
-                entry += 1
-    return found
-
-
-@compiled
-def _all_frequencies(half, around, signs):  # type: ignore[no-untyped-def]
-    """Whole symmetric matrices at all frequencies, times phases, from lower halves at those that a real transform keeps."""
-    along, kept = half.shape[1:]
-    size = len(signs)
-    # A coefficient of two real entries, or two imaginary ones, is real on an even surface; of one of each it is imaginary.
-    largest = odd = 0.0
-    entry = 0
-    for a in range(size):
-        for c in range(a + 1):
-            for value in half[entry].flat:
-                real, imaginary = abs(value.real), abs(value.imag)
-                largest = max(largest, real, imaginary)
-                odd = max(odd, imaginary if signs[a] == signs[c] else real)
-            entry += 1
-    full = np.empty((2 if odd > REAL * largest else 1, along, around, size, size))
-    for x in range(along):
-        for y in range(around):
-            mirrored = y >= kept
-            at_x, at_y = ((along - x) % along, around - y) if mirrored else (x, y)
-            entry = 0
-            for a in range(size):
-                for c in range(a + 1):
-                    value = half[entry, at_x, at_y]
-                    if mirrored:
-                        value = np.conj(value)
-                    if signs[a] == signs[c]:
-                        full[0, x, y, a, c] = full[0, x, y, c, a] = value.real
-                        if len(full) > 1:
-                            full[1, x, y, a, c] = full[1, x, y, c, a] = value.imag
-                    else:  # times -i where the left one is imaginary, times i where the right one is
-                        full[0, x, y, a, c] = -signs[a] * value.imag
-                        full[0, x, y, c, a] = -signs[c] * value.imag
-                        if len(full) > 1:
-                            full[1, x, y, a, c] = signs[a] * value.real
-                            full[1, x, y, c, a] = signs[c] * value.real
-                    entry += 1
-    return full
 
 
 @dataclass(frozen=True)
@@ -335,7 +274,7 @@ class ModeWaves:
 
     def _sums(self, cell: Cell, symbols: Complex, entries: range, coefficients: Array) -> Array:
         waves, (along, around) = self.waves, cell.points
-        spectrum = _spectrum(
+        spectrum = spectrum_of_modes(
             *self._columns, coefficients, symbols, entries.start, entries.stop, waves.p, waves.b, *cell.sizes
         )
         return np.asarray(irfft2(spectrum, (around, along), axes=(-1, -2), norm="forward")).reshape(len(entries), -1)
@@ -356,7 +295,9 @@ class ModeWaves:
 
     def _means(self, cell: Cell, symbols: Complex, entries: range, transform: Complex) -> Array:
         waves = self.waves
-        return np.asarray(_means(*self._columns, transform, symbols, entries.start, waves.p, waves.b, *cell.sizes))
+        return np.asarray(
+            means_over_modes(*self._columns, transform, symbols, entries.start, waves.p, waves.b, *cell.sizes)
+        )
 
     @property
     def _columns(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Complex]:
@@ -367,95 +308,7 @@ class ModeWaves:
         """``mean of f . W f'`` for each pair of modes, from those of their waves: shape (modes, modes)."""
         symmetric = forms.turned is None
         turned = forms.mixed.T if symmetric else forms.turned
-        return np.asarray(_of_modes(*self._columns, *forms[:3], turned, symmetric))
-
-
-@compiled
-def _spectrum(starts, waves, coefficients, values, symbols, first, last, p, b, period, fold, along, around):  # type: ignore[no-untyped-def]
-    """Spectra, as a real transform takes them, of some entries of the symbols of a sum of modes.
-
-    Args:
-        starts, waves, coefficients: the modes as sums of waves, by columns of a sparse matrix.
-        values: coefficients of the modes.
-        symbols: of the waves.
-        first, last: entry of the symbols, and the last but one.
-        p, b: wave numbers.
-        period, fold, along, around: of the cell.
-    """
-    amplitudes = np.zeros(len(p), dtype=np.complex128)
-    for mode in range(len(values)):
-        for i in range(starts[mode], starts[mode + 1]):
-            amplitudes[waves[i]] += coefficients[i] * values[mode]
-    found = np.zeros((last - first, along // 2 + 1, around), dtype=np.complex128)
-    for q in range(len(p)):
-        x, y = _place(p[q], period, along), _place(b[q], fold, around)
-        if x < 0 or y < 0:
-            continue
-        mirrored = 2 * x > along
-        # The transform adds its conjugate to each wave of 0 < 2 x < along, and takes the real part of the others.
-        share = 1.0 if x == 0 or 2 * x == along else 0.5
-        for entry in range(last - first):
-            value = share * amplitudes[q] * symbols[q, first + entry]
-            if mirrored:
-                found[entry, along - x, (around - y) % around] += np.conj(value)
-            else:
-                found[entry, x, y] += value
-    return found
-
-
-@compiled
-def _means(starts, waves, coefficients, transform, symbols, first, p, b, period, fold, along, around):  # type: ignore[no-untyped-def]
-    """Means of given functions times entries of the symbols of each mode, from the first one on; see ``_spectrum``."""
-    of_waves = np.zeros(len(p), dtype=np.complex128)
-    for q in range(len(p)):
-        x, y = _place(p[q], period, along), _place(b[q], fold, around)
-        if x < 0 or y < 0:
-            continue
-        for entry in range(len(transform)):
-            if 2 * x > along:
-                value = transform[entry, along - x, (around - y) % around]
-            else:
-                value = np.conj(transform[entry, x, y])
-            of_waves[q] += value * symbols[q, first + entry]
-    found = np.zeros(len(starts) - 1)
-    for mode in range(len(found)):
-        for i in range(starts[mode], starts[mode + 1]):
-            found[mode] += (coefficients[i] * of_waves[waves[i]]).real
-    return found
-
-
-@compiled
-def _of_modes(starts, waves, coefficients, cosines, sines, mixed, turned, symmetric):  # type: ignore[no-untyped-def]
-    """A form of each pair of modes, from the four parts of ``Forms``.
-
-    Args:
-        starts, waves, coefficients: the modes as sums of waves, by columns of a sparse matrix.
-        cosines, sines, mixed, turned: of the waves.
-        symmetric: whether the form is.
-    """
-    count = len(starts) - 1
-    found = np.empty((count, count))
-    real, imaginary = np.empty(len(cosines)), np.empty(len(cosines))
-    for m in range(count):
-        real[:], imaginary[:] = 0.0, 0.0  # the form of the mode and either part of each wave
-        for i in range(starts[m], starts[m + 1]):
-            c, q = coefficients[i], waves[i]
-            if c.real != 0:
-                for w in range(len(real)):
-                    real[w] += c.real * cosines[q, w]
-                    imaginary[w] += c.real * turned[q, w]
-            if c.imag != 0:
-                for w in range(len(real)):
-                    real[w] += c.imag * mixed[q, w]
-                    imaginary[w] += c.imag * sines[q, w]
-        for n in range(m + 1 if symmetric else count):
-            total = 0.0
-            for j in range(starts[n], starts[n + 1]):
-                total += coefficients[j].real * real[waves[j]] + coefficients[j].imag * imaginary[waves[j]]
-            found[m, n] = total
-            if symmetric:
-                found[n, m] = total
-    return found
+        return np.asarray(reduced_to_modes(*self._columns, *forms[:3], turned, symmetric))
 
 
 def _wave_entries(mode: Mode) -> list[tuple[tuple[int, int], complex]]:
@@ -466,132 +319,3 @@ def _wave_entries(mode: Mode) -> list[tuple[tuple[int, int], complex]]:
     if p and b:
         return [((p, b), along * around / 2), ((p, -b), along * around.conjugate() / 2)]
     return [((p, b), along * around)]
-
-
-@compiled
-def _place(number, unit, points):  # type: ignore[no-untyped-def]
-    """Place of a wave number in a transform, or -1 for none of its."""
-    if unit == 0:
-        return 0 if number == 0 else -1
-    return (number // unit) % points if number % unit == 0 else -1
-
-
-@compiled
-def _forms(z, rows, other, columns, p, b, weights, signs, period, fold, symmetric, of_centre):  # type: ignore[no-untyped-def]
-    """The four parts of ``Forms``.
-
-    Args:
-        z, other: vectors left and right of the matrices, for each wave.
-        rows, columns: first and last entry but one of them that are not zero, for each wave.
-        p, b: wave numbers.
-        weights, signs: as ``matrix_transform`` gives them.
-        period, fold: of the cell.
-        symmetric: whether the vectors are the same on both sides: then the last part is empty.
-        of_centre: take only the pairs of which one or both move the centre.
-    """
-    count, parts, along, around = len(p), weights.shape[0], weights.shape[1], weights.shape[2]
-    cosines, sines, mixed = np.zeros((count, count)), np.zeros((count, count)), np.zeros((count, count))
-    turned = np.zeros((0, 0) if symmetric else (count, count))
-    for i in range(count):
-        for j in range(i + 1 if symmetric else count):
-            if of_centre and abs(b[i]) != 1 and abs(b[j]) != 1:
-                continue
-            re = im = re2 = im2 = 0.0
-            x, y = _place(p[i] - p[j], period, along), _place(b[i] - b[j], fold, around)
-            if x >= 0 and y >= 0:  # mean of conj(z e^{iq}) . W z' e^{iq'}
-                for a in range(rows[i, 0], rows[i, 1]):
-                    for c in range(columns[j, 0], columns[j, 1]):
-                        factor = z[i, a] * other[j, c]
-                        re += factor * weights[0, x, y, a, c]
-                        if parts > 1:
-                            im += factor * weights[1, x, y, a, c]
-            x, y = _place(-p[i] - p[j], period, along), _place(-b[i] - b[j], fold, around)
-            if x >= 0 and y >= 0:  # and without the conjugate: that of the opposite wave
-                for a in range(rows[i, 0], rows[i, 1]):
-                    for c in range(columns[j, 0], columns[j, 1]):
-                        factor = signs[a] * z[i, a] * other[j, c]
-                        re2 += factor * weights[0, x, y, a, c]
-                        if parts > 1:
-                            im2 += factor * weights[1, x, y, a, c]
-            cosines[i, j], sines[i, j], mixed[i, j] = (re + re2) / 2, (re - re2) / 2, (im - im2) / 2
-            if symmetric:
-                cosines[j, i], sines[j, i], mixed[j, i] = cosines[i, j], sines[i, j], (-im - im2) / 2
-            else:
-                turned[i, j] = (-im - im2) / 2
-    return cosines, sines, mixed, turned
-
-
-@compiled
-def _powers_of_b(weights, one, other):  # type: ignore[no-untyped-def]
-    """Sections' jets contracted but for their powers of ``b``, at all frequencies around: shape (points around, 9).
-
-    Jets of a section are ``1, -k^2, -k b, -b^2, k, b``: entry ``3 u + v`` belongs to ``b^u b'^v``.
-
-    Args:
-        weights: matrices at one frequency along, shape (points around, F, F).
-        one, other: the numbers ``k`` of the two waves.
-    """
-    found = np.empty((len(weights), 9))
-    left, right = (1.0, -(one**2), -one, -1.0, one, 1.0), (1.0, -(other**2), -other, -1.0, other, 1.0)
-    half = np.empty((3, 6))
-    for y in range(len(weights)):
-        w = weights[y]
-        for c in range(6):
-            half[0, c] = w[0, c] + left[1] * w[1, c] + left[4] * w[4, c]
-            half[1, c] = left[2] * w[2, c] + w[5, c]
-            half[2, c] = -w[3, c]
-        for u in range(3):
-            found[y, 3 * u] = half[u, 0] + right[1] * half[u, 1] + right[4] * half[u, 4]
-            found[y, 3 * u + 1] = right[2] * half[u, 2] + half[u, 5]
-            found[y, 3 * u + 2] = -half[u, 3]
-    return found
-
-
-@compiled
-def _add_sections(forms, k, p, b, order, starts, weights, period, fold):  # type: ignore[no-untyped-def]
-    """Add the pairs of two sections to ``cosines``, ``sines`` and ``mixed``.
-
-    Args:
-        forms: the three, to be added to.
-        k: unit of the wave numbers along.
-        p, b: wave numbers.
-        order: waves of sections, those of one ``p`` together.
-        starts: where each ``p`` starts in that order, and the end.
-        weights: coefficients of a ``MatrixTransform``.
-        period, fold: of the cell.
-    """
-    cosines, sines, mixed = forms
-    parts, along, around = weights.shape[0], weights.shape[1], weights.shape[2]
-    for first in range(len(starts) - 1):
-        for second in range(first + 1):
-            one, other = p[order[starts[first]]], p[order[starts[second]]]
-            for sign in (1, -1):  # the conjugate of the first wave, and that of the opposite one
-                x = _place(sign * one - other, period, along)
-                if x < 0:
-                    continue
-                for part in range(parts):
-                    table = _powers_of_b(weights[part, x], sign * one * k, other * k)
-                    for at in range(starts[first], starts[first + 1]):
-                        i = order[at]
-                        end = starts[second + 1] if second < first else at + 1
-                        for beside in range(starts[second], end):
-                            j = order[beside]
-                            y = _place(sign * b[i] - b[j], fold, around)
-                            if y < 0:
-                                continue
-                            t, c, d = table[y], sign * b[i], b[j]
-                            value = (
-                                t[0]
-                                + d * (t[1] + d * t[2])
-                                + c * (t[3] + d * (t[4] + d * t[5]) + c * (t[6] + d * (t[7] + d * t[8])))
-                            ) / 2
-                            if part == 0:
-                                cosines[i, j] += value
-                                sines[i, j] += sign * value
-                                if i != j:
-                                    cosines[j, i] += value
-                                    sines[j, i] += sign * value
-                            else:
-                                mixed[i, j] += sign * value
-                                if i != j:
-                                    mixed[j, i] -= value
