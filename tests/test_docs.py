@@ -7,7 +7,7 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import pytest
-from commands import run
+from support.commands import run
 
 from pearlbvp.studies import families
 

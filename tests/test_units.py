@@ -9,7 +9,7 @@ import pickle
 import numpy as np
 import pandas as pd
 import pytest
-from commands import run
+from support.commands import run
 
 from pearlbvp.errors import InputError
 from pearlbvp.figures import canvas

@@ -14,7 +14,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from sweep import drawn, faults
+from support.sweep import drawn, faults
 
 
 class TooLong(BaseException):

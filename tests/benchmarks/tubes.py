@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from sums import Basis, grid, second_variation
+from support.sums import Basis, grid, second_variation
 
 from pearlbvp.continuation.path import correct
 from pearlbvp.helfrich import Tube
