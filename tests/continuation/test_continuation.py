@@ -1,42 +1,14 @@
 """Path following and Chebyshev resolution on algebraic curves that are known exactly: nothing of membranes here."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from support.curves import Curve
 
 from pearlbvp.continuation import PathOptions, follow
 from pearlbvp.continuation.chebyshev import Unresolved, resolve
-from pearlbvp.continuation.problem import Problem
 from pearlbvp.continuation.solution import Solution
-
-
-@dataclass(frozen=True)
-class Curve(Problem):
-    """The zero set of a function of two variables with known gradient."""
-
-    f: object
-    gradient: object
-
-    def residual(self, u):
-        return np.array([self.f(*u)])
-
-    def solve(self, u, rhs, row=None):
-        return np.linalg.solve(np.vstack((self.gradient(*u), row)), rhs)
-
-    def inner(self, u, v):
-        return float(u @ v)
-
-    def observables(self, u):
-        return {"x": float(u[0]), "y": float(u[1])}
-
-    def remesh(self, u, *others):
-        return None
-
-    def transfer(self, other, u):
-        return u
-
 
 CIRCLE = Curve(lambda x, y: x**2 + y**2 - 1, lambda x, y: np.array([2 * x, 2 * y]))
 PITCHFORK = Curve(lambda x, y: x * (y - x**2), lambda x, y: np.array([y - 3 * x**2, x]))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 sys.path.insert(0, str(Path(__file__).parents[1] / "derivations"))
 
 import amplitude as derived
-from support.graphs import Graphs, all_waves
+from support.graphs import Graphs, all_waves, graphs_of
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
@@ -98,18 +98,6 @@ def test_the_paper_s_coefficients():
     paper_b2 += 2 * paper[1] * q * (-3 * q / 2 - c + r(3, 4)) / (12 * q**2 - 7 * q - 4 * c + 3)
     assert sympy.simplify(b1.subs(N, 1) - paper_b1) == 0
     assert sympy.simplify(b2.subs(N, 1) - paper_b2) == 0
-
-
-def graphs_of(equation, family, most=6):
-    """Small graphs that hold a family's branch, the place of its amplitude, and that coefficient by ``A``."""
-    if family == "buckle":
-        even = [(a, b) for a in range(most + 1) for b in range(most + 1) if (a + b) % 2 == 0]
-        waves = [(a, b, np.cos, np.cos) for a, b in even]
-        return Graphs.of(equation.k, equation.n, equation.tube.c0, waves, (24, 24)), even.index((1, 1)), 4.0
-    along, around = min(equation.m, 1), min(equation.n, 1)
-    waves = [(a * along, a * around, np.cos, None) for a in range(13)]
-    points = (48, 1) if along else (1, 48)
-    return Graphs.of(equation.k, equation.n, equation.tube.c0, waves, points), 1, 2.0
 
 
 def limits(equation, family):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_continuation import Curve
+from support.curves import Curve
 
 from pearlbvp.continuation.normal_form import normal_form
 from pearlbvp.helfrich import Tube

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from test_continuation import Curve
+from support.curves import Curve
 
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.path import PathOptions

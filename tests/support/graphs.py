@@ -125,3 +125,15 @@ class Graphs:
         allowed = null_space(np.array([{"area": a1, "volume": v1}[name] for name in fixed]))
         hessian = e2 + lambda1 * a2 + lambda2 * v2
         return -eigh(allowed.T @ hessian @ allowed, allowed.T @ mass @ allowed, eigvals_only=True)
+
+
+def graphs_of(equation, family, most=6):
+    """Small graphs that hold a family's branch, the place of its amplitude, and that coefficient by ``A``."""
+    if family == "buckle":
+        even = [(a, b) for a in range(most + 1) for b in range(most + 1) if (a + b) % 2 == 0]
+        waves = [(a, b, np.cos, np.cos) for a, b in even]
+        return Graphs.of(equation.k, equation.n, equation.tube.c0, waves, (24, 24)), even.index((1, 1)), 4.0
+    along, around = min(equation.m, 1), min(equation.n, 1)
+    waves = [(a * along, a * around, np.cos, None) for a in range(13)]
+    points = (48, 1) if along else (1, 48)
+    return Graphs.of(equation.k, equation.n, equation.tube.c0, waves, points), 1, 2.0

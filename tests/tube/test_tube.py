@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import eigh, null_space
-from support.graphs import Graphs, all_waves
+from support.graphs import Graphs, all_waves, graphs_of
 from support.sums import Basis, grid, second_variation
-from test_amplitude import graphs_of
 
 from pearlbvp.continuation.path import correct
 from pearlbvp.errors import InputError
