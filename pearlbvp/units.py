@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex, TypeVar
 
 from pearlbvp.helfrich import Tube, finite, positive
 
@@ -230,6 +230,10 @@ class Sentence(str):
         sentence = super().__new__(cls, RADII.told(parts))
         sentence.parts = parts
         return sentence
+
+    def replace(self, old: str, new: str, count: SupportsIndex = -1, /) -> Sentence:
+        """As a text's, in the words between its numbers."""
+        return Sentence._of(tuple((words.replace(old, new, count), values) for words, values in self.parts))
 
     def __add__(self, other: str) -> Sentence:
         """What is appended to a sentence leaves it its numbers."""

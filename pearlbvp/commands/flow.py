@@ -168,7 +168,7 @@ def flow(
             try:
                 state = beginning(problem, q)
             except InputError as error:  # of the shape, which the user knows as where it comes from
-                raise InputError(f"{_origin(start)}: {units.said(error.args[0]).removeprefix('q: ')}") from None
+                raise (error.named(_origin(start)) if error.argument == "q" else error) from None
         units = units.of_flow(state.problem.law)
         settings: dict[str, Any] = {
             "velocity": units.from_user("velocity", velocity) if "velocity" in given else velocity,
@@ -335,7 +335,7 @@ def _start(
         try:
             options = branch_options(stop)
         except InputError as error:
-            raise InputError(str(error).replace("until:", "point:", 1)) from None
+            raise error.named("point") from None
         branch = family_branch(Tube(c0, length), family, mode, options)
         if not branch.complete:
             (wanted, number), *_ = stop.items()

@@ -21,7 +21,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Pinned
-from pearlbvp.continuation.path import correct
+from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError, SpectrumError
 from pearlbvp.helfrich import Fixed
@@ -261,9 +261,7 @@ class MeshProblem(MembraneProblem):
         if self.orbits is not None:
             problem = problem.symmetric(*vectors)
         if not self._is_straight(u):  # there v does not tell one solution from the next: all straight tubes have v = 1
-            same_volume = np.zeros_like(moved)
-            same_volume[-1] = 1.0
-            settled, _ = correct(problem, moved, same_volume, moved, 0.0, NewtonOptions(max_iterations=20, damping=4))
+            settled, _ = correct_at(problem, moved, NewtonOptions(max_iterations=20, damping=4))
             # Along the branch, the new mesh's error would move the point; so it does only where v turns.
             if settled.converged:
                 vectors[0] = settled.u
