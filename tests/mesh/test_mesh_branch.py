@@ -16,6 +16,7 @@ from pearlbvp.mesh.adaptation import AdaptOptions
 from pearlbvp.mesh.amplitudes import amplitudes
 from pearlbvp.mesh.families import divisions, jittered, tube_mesh
 from pearlbvp.mesh.files import joined, read_mesh, write_mesh
+from pearlbvp.mesh.functional import Functional
 from pearlbvp.mesh.problem import MeshProblem, about
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.spectrum import MeshBlock
@@ -425,7 +426,7 @@ def test_phases_are_those_that_move_the_surface():
         (lambda x, phi: np.cos(x) * np.cos(2 * phi), 4),
     ):
         mesh = tube_mesh(L, 600, lambda x, phi, wave=wave: surface(x, phi, wave))
-        assert len(about(mesh, 0.0, np.array([0.0, 0.25, 1.0]))[0].phases) == count
+        assert len(about(Functional(mesh), 0.0, np.array([0.0, 0.25, 1.0]))[0].phases) == count
 
 
 @pytest.mark.parametrize("kind", ["subdivision", "cotangent"])
