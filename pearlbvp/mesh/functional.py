@@ -124,7 +124,7 @@ class Functional:
         return self.known or Stencils(self.mesh, self.kind)
 
     def on(self, mesh: PeriodicMesh) -> Functional:
-        """The same discretization on another mesh; what depends on triangles and period only is kept where they are the same."""
+        """The same discretization on another mesh; what depends on triangles and period only is kept if they are the same."""
         same = mesh.connected is self.mesh.connected and mesh.length == self.mesh.length
         return Functional(mesh, self.kind, self.stencils if same else None)
 
