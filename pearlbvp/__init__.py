@@ -5,6 +5,7 @@ An analysis needs no other import: ``Tube``, ``branch`` and what its branches ca
 equations. Each name is imported when it is first asked for.
 """
 
+import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,11 @@ if TYPE_CHECKING:
     from pearlbvp.studies.families import register
     from pearlbvp.studies.localized import localized_pearls
     from pearlbvp.studies.period import pearl_periods
+
+for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"):
+    os.environ.setdefault(
+        _threads, "1"
+    )  # read when numpy is loaded: of small matrices several threads wait for each other
 
 _HOMES = {
     "Branch": "front:Branch",

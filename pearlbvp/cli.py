@@ -32,8 +32,6 @@ from pearlbvp.errors import InputError, interrupted
 from pearlbvp.files import shortened
 from pearlbvp.messages import drop, open_streams, say, why_not_written
 
-_BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__, prog_name="pearlbvp")
@@ -54,8 +52,6 @@ for command in (
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit status: 0 done, 1 some rows failed, 2 unusable input."""
-    for name in _BLAS_THREADS:  # before numpy is loaded: our matrices are small, threads only slow them down
-        os.environ.setdefault(name, "1")
     _draw_on_our_own_terms()
     with contextlib.suppress(ValueError):  # in a thread signals are not ours
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as by Ctrl-C, what was computed is written

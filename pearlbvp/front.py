@@ -6,6 +6,7 @@ is computed here.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 from pearlbvp.continuation import branch as core
 from pearlbvp.continuation import solution as solutions
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed, Tube, WaveNumbers
+from pearlbvp.helfrich import Fixed, Tube, WaveNumbers, known_tube, whole
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,6 +62,13 @@ def _solution(found: solutions.Solution[Any]) -> Solution:
     return Solution(**{field.name: getattr(found, field.name) for field in fields(found)})
 
 
+def _is_kind(kind: str) -> bool:
+    """Whether there are special points of a kind."""
+    from pearlbvp.studies.branch import SPECIAL
+
+    return kind in (*SPECIAL, "start", "end", "stop")
+
+
 class Branch(core.Branch[Any]):
     """A branch: its table, its special points, and where to go on from it.
 
@@ -82,19 +90,29 @@ class Branch(core.Branch[Any]):
     def __getitem__(self, which: int) -> Solution: ...
 
     @overload
+    def __getitem__(self, which: slice) -> list[Solution]: ...
+
+    @overload
     def __getitem__(self, which: str) -> Solution | list[Solution]: ...
 
-    def __getitem__(self, which: int | str) -> Solution | list[Solution]:
-        """A point by its number, all special points of a kind, or one of them.
+    def __getitem__(self, which: int | slice | str) -> Solution | list[Solution]:
+        """A point by its number, several by a slice, all special points of a kind, or one of them.
 
         Raises:
             InputError: there is no such special point.
             IndexError: there is no such point.
         """
+        if isinstance(which, slice):
+            return [_solution(point) for point in self.points[which]]
         if not isinstance(which, str):
             return _solution(self.points[which])
         kind, _, number = which.rpartition(":")
-        if not kind or not number.isdigit():
+        kind = kind if number.isdigit() else which
+        if not _is_kind(kind):
+            raise InputError(
+                f"point: {which!r} is no special point; give one like 'bp', 'bp:2', 'fold:v', 'cmc' or 'end', or a number"
+            )
+        if kind == which:
             return [_solution(self.at(special)) for special in self.find(which)]
         found = self.find(kind)
         if not 1 <= int(number) <= len(found):
@@ -165,6 +183,9 @@ class Branch(core.Branch[Any]):
         """
         from pearlbvp.studies.onward import varied
 
+        point = whole("point", point, -math.inf)
+        if not -len(self) <= point < len(self):
+            raise InputError(f"point: there is no point {point}; the branch has points 0 to {len(self) - 1}")
         upwards = _upwards(down, until, name, self.points[point].observables)
         return _followed(lambda options: varied(self, point, name, options, keep=keep, upwards=upwards), until, how)
 
@@ -225,6 +246,7 @@ def _followed(follow: Any, until: Until | None, how: Mapping[str, Any]) -> Branc
     from pearlbvp.progress import progress
     from pearlbvp.studies.branch import branch_options
 
+    _check_names(how, ("max_points", "step", "max_step"))
     with progress("point") as bar:
 
         def count(so_far: core.Branch[Any]) -> None:
@@ -295,6 +317,7 @@ def flow(
     perturb: Perturbation = "critical",
     delta: float = 0.02,
     nodes: int | None = None,
+    size: tuple[int, int] | None = None,
     law: Law = "area and volume",
     **how: Any,
 ) -> FlowResult:
@@ -305,18 +328,35 @@ def flow(
         perturb: ``critical`` (along the most unstable perturbation), ``bump`` or ``none``.
         delta: size of the perturbation, in radii; a negative bump moves the surface outwards.
         nodes: on a triangulated tube of about so many vertices.
+        size: largest wave numbers along and around, of tubes in modes.
         law: what the flow keeps.
-        how: fields of ``pearlbvp.flows.driver.FlowOptions``.
+        how: when it ends and how it is stepped: ``until`` (a time), ``velocity``, ``rtol``, ``atol``, ``max_steps``,
+            ``max_seconds`` and the other fields of ``FlowOptions``.
 
     Raises:
         InputError: an argument that cannot be used.
     """
     from pearlbvp.flows.driver import FlowOptions
     from pearlbvp.flows.driver import flow as run
+    from pearlbvp.studies.branch import known_point
     from pearlbvp.studies.flow_start import mesh_start, solution_start
 
-    begun = solution_start(start, law=law) if nodes is None else mesh_start(start, nodes, law=law)
+    _check_names(how, [field.name for field in fields(FlowOptions)])
+    known_point(start)
+    begun = solution_start(start, law=law, size=size) if nodes is None else mesh_start(start, nodes, law=law)
     return run(begun.problem, begun.perturbed(perturb, delta), FlowOptions(**how))
+
+
+def _check_names(how: Mapping[str, Any], names: Iterable[str]) -> None:
+    """Refuse arguments of other names.
+
+    Raises:
+        InputError: the first of them, and those that there are.
+    """
+    known = list(names)
+    for name in how:
+        if name not in known:
+            raise InputError(f"{name}: there is no such argument; there are {', '.join(known)}")
 
 
 def diagram(
@@ -348,6 +388,7 @@ def diagram(
     from pearlbvp.studies.diagram import diagram as study
 
     options = None if until is None else branch_options(until)
+    known_tube(tube)
     found = study(tube.c0, tube.length, depth, options, modes=modes, processes=processes)
     return replace(found, branches={name: Branch.of(followed) for name, followed in found.branches.items()})
 
@@ -360,6 +401,7 @@ def dispersion(tube: Tube, max_m: int | None = None, max_n: int = 4) -> pd.DataF
     """
     from pearlbvp.studies.dispersion import branch_points
 
+    known_tube(tube)
     return branch_points(tube.c0, tube.length, max_m, max_n)
 
 
@@ -371,4 +413,5 @@ def amplitude(tube: Tube, modes: Iterable[WaveNumbers]) -> pd.DataFrame:
     """
     from pearlbvp.studies.amplitude import coefficients
 
+    known_tube(tube)
     return coefficients(tube.c0, tube.length, modes)

@@ -142,6 +142,17 @@ class Tube:
         return 2 * math.pi * m / self.length
 
 
+def known_tube(tube: Tube) -> Tube:
+    """A tube.
+
+    Raises:
+        InputError: it is none.
+    """
+    if not isinstance(tube, Tube):
+        raise InputError(f"tube: {type(tube).__name__} must be a tube; give one like Tube(0.48, 15)")
+    return tube
+
+
 def cylinder_lambda1(lambda2: float, c0: float) -> float:
     """Surface tension of the straight cylinder, ``1/4 - lambda2 - c0^2`` (paper, eq. (socon) at r = 1)."""
     return 0.25 - lambda2 - c0**2

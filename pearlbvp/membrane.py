@@ -60,9 +60,13 @@ class MembraneProblem(Problem):
     def to_draw(self, u: Array) -> Grid | PeriodicMesh:
         """The surface on the whole tube, to draw or to export."""
 
-    @abstractmethod
     def parametrized(self, u: Array) -> Surface:
-        """Points of the surface by ``x`` and ``phi``."""
+        """Points of the surface by ``x`` and ``phi``.
+
+        Raises:
+            InputError: it has points of its own only.
+        """
+        raise InputError("point: a shape on a mesh has points of its own only; take those (own_mesh)")
 
     def own_mesh(self, u: Array) -> PeriodicMesh | None:
         """The surface's own triangles, where it has any."""

@@ -120,6 +120,6 @@ def test_no_object_is_written_into_behind_its_back():
 
 
 def test_files_fit_a_reader_s_head():
-    lengths = {path.name: len(path.read_text().splitlines()) for path in PACKAGE.rglob("*.py")}
+    lengths = {str(path.relative_to(PACKAGE)): len(path.read_text().splitlines()) for path in PACKAGE.rglob("*.py")}
     too_long = {name: length for name, length in lengths.items() if length > 400}
     assert too_long == {}

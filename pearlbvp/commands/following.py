@@ -50,7 +50,7 @@ def following(command: Callable[..., Any]) -> Callable[..., Any]:
                      help="End after so many new points, special ones and where it goes on from among them."),
         click.option("--until", type=Until(), multiple=True,
                      help="Stop exactly there: v=1.1, or the K-th special point from the branch's start on: bp, bp:2, fold:v, "
-                     "fold:v:2, cmc. May be given several times; the first reached counts."),
+                     "fold:v:2, cmc, fold (of any column). May be given several times; the first reached counts."),
     ):  # fmt: skip
         command = decorate(command)
     return command

@@ -203,7 +203,7 @@ class _Run(Generic[P]):
         return self.end(Status.POINTS, f"max_points = {most} reached", MORE) if len(self.points) >= most else None
 
 
-MORE = "; resume the branch or ask for more"
+MORE = "; ask for more (max_points), or go on from its end"
 """Advice where a branch has as many points as it may have."""
 
 WALL = 1e-9

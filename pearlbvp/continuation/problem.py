@@ -183,8 +183,12 @@ class Problem(ABC):
     # Files.
 
     def to_tree(self) -> dict[str, Any]:
-        """Everything as arrays, numbers and words, to be saved."""
-        raise NotImplementedError
+        """Everything as arrays, numbers and words, to be saved.
+
+        Raises:
+            InputError: such problems are not saved.
+        """
+        raise InputError("save: a curve of special points cannot be saved; write its table (table().to_csv, or --out)")
 
     @classmethod
     def from_tree(cls, tree: Mapping[str, Any]) -> Self:

@@ -23,9 +23,9 @@ from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Pinned
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.errors import InputError, SpectrumError
+from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Fixed
-from pearlbvp.membrane import MembraneProblem, Surface
+from pearlbvp.membrane import MembraneProblem
 from pearlbvp.mesh.adaptation import (
     AdaptOptions,
     adapted,
@@ -199,14 +199,6 @@ class MeshProblem(MembraneProblem):
         return self.surface(u)
 
     to_draw = own_mesh
-
-    def parametrized(self, u: Array) -> Surface:
-        """None: points of a mesh have no parameters.
-
-        Raises:
-            InputError: always.
-        """
-        raise InputError("point: a shape on a mesh has points of its own only; take those (own_mesh)")
 
     def block_modes(self, u: Array, counts: Mapping[MeshBlock, int]) -> Modes:
         """Leading growth rates and their displacements, by symmetry blocks, and the number of positive rates.

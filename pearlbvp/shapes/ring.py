@@ -392,7 +392,7 @@ def ring_start(tube: Tube, mode: WaveNumbers, fixed: Fixed, tolerance: float | N
     """
     m, n = mode
     if m != 0:
-        raise InputError(f"mode: rings do not depend on x, so {m},{n} is none of them; give 0,{n}")
+        raise InputError(f"mode: rings do not depend on x, so {m},{n} is none of them; give 0,{max(n, 2)}")
     return ring_onset(tube, n, tolerance=checked_tolerance(tolerance, 1e-10), fixed=fixed)
 
 

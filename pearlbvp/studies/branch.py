@@ -19,6 +19,7 @@ from pearlbvp.helfrich import (
     cylinder_energy,
     cylinder_lambda1,
     finite,
+    known_tube,
     mode_numbers,
     whole,
 )
@@ -178,13 +179,14 @@ def family_branch(
         >>> pearls.complete, pearls.find("bp")[0].block.n
         (True, 0)
     """
-    if not isinstance(tube, Tube):
-        raise InputError(f"tube: {type(tube).__name__} must be a tube; give one like Tube(0.48, 15)")
+    known_tube(tube)
     options = known_options(options)
     choice("fixed", fixed, get_args(Fixed))
     mode = families.family(family).mode if mode is None else mode_numbers("mode", mode)
     nodes = None if nodes is None else whole("nodes", nodes)
     if nodes is not None:
+        if tolerance is not None:
+            raise InputError("tolerance: meshes have none; leave it or nodes out")
         problem, u, direction = _on_a_mesh(tube, family, mode, nodes, discretization or "subdivision", fixed, adapt)
     elif discretization == "modes":
         problem, u, direction = _in_modes(family)(tube, mode, fixed, tolerance)

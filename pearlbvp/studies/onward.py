@@ -19,7 +19,7 @@ from pearlbvp.continuation.two_parameters import NOISE, CurveOnSurface, follow
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import choice, whole
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.studies.branch import known_branch, known_options
+from pearlbvp.studies.branch import SPECIAL, TURNS, known_branch, known_options
 from pearlbvp.units import Sentence
 
 Centre = Literal["pearl", "neck"]
@@ -160,6 +160,9 @@ def followed(
     parameter, options, number = _varying(branch, vary), known_options(options), whole("follow", number)
     if kind != "bp" and not str(kind).startswith("fold:"):
         raise InputError(f"follow: {kind!r} is no kind of point to follow; give bp, or fold:NAME like fold:v")
+    if kind not in SPECIAL:
+        names = ", ".join(TURNS)
+        raise InputError(f"follow: {kind!r} is no turning point of a column; choose one of {names} after fold:")
     found = branch.find(kind)
     if not 1 <= number <= len(found):
         raise InputError(

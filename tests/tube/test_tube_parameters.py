@@ -16,7 +16,8 @@ from pearlbvp.studies.onward import STRAIGHT_WAVE, followed, switched, varied
 from pearlbvp.studies.saved import load, save
 from pearlbvp.theory.amplitude import exchange_lengths
 from pearlbvp.tube.onset import onset
-from pearlbvp.tube.problem import TubeParameters, TubeProblem
+from pearlbvp.tube.problem import TubeProblem
+from pearlbvp.tube.shapes import TubeParameters
 
 NAMES = ("lambda1", "lambda2", "v", "E", "r_min", "r_max", "c0", "L")
 
