@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 from pearlbvp._version import __version__
 
 if TYPE_CHECKING:
+    from pearlbvp.branches import Branch, Solution
     from pearlbvp.bvp import continue_bvp, solve_bvp
     from pearlbvp.errors import InputError
-    from pearlbvp.front import Branch, Solution, amplitude, branch, diagram, dispersion, flow, load
+    from pearlbvp.front import amplitude, branch, diagram, dispersion, flow, load
     from pearlbvp.helfrich import Tube
     from pearlbvp.studies.families import register
     from pearlbvp.studies.localized import localized_pearls
@@ -26,9 +27,9 @@ for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "
     )  # read when numpy is loaded: of small matrices several threads wait for each other
 
 _HOMES = {
-    "Branch": "front:Branch",
+    "Branch": "branches:Branch",
     "InputError": "errors:InputError",
-    "Solution": "front:Solution",
+    "Solution": "branches:Solution",
     "Tube": "helfrich:Tube",
     "amplitude": "front:amplitude",
     "branch": "front:branch",

@@ -1,258 +1,25 @@
-"""What ``import pearlbvp as pb`` offers: branches, their solutions, and the questions that people ask of tubes.
-
-The rooms below do the work; here their objects get the verbs of an ordinary analysis, so that it needs no other import. Nothing
-is computed here.
-"""
+"""What ``import pearlbvp as pb`` offers: the questions that people ask of tubes, answered by the rooms below."""
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any
 
+from pearlbvp.branches import Branch, Until, check_names, followed_by
 from pearlbvp.continuation import branch as core
 from pearlbvp.continuation import solution as solutions
-from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed, Tube, WaveNumbers, known_tube, whole
+from pearlbvp.helfrich import Fixed, Tube, WaveNumbers, known_tube
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
     from pearlbvp.flows.problem import Law
     from pearlbvp.flows.record import FlowResult
-    from pearlbvp.mesh.periodic import PeriodicMesh
     from pearlbvp.studies.branch import Discretization
     from pearlbvp.studies.diagram import Diagram
     from pearlbvp.studies.flow_start import Perturbation
-
-Until = Mapping[str, float]
-"""Where to stop: columns and values, ``{"v": 1.1}``, or kinds of special points and their numbers, ``{"bp": 1}``."""
-
-
-class Solution(solutions.Solution[Any]):
-    """A point of a branch: ``observables``, ``spectrum``, ``slopes``, ``problem`` and ``u``, and the shape itself."""
-
-    def profile(self, samples: int = 400) -> pd.DataFrame:
-        """The curve that the shape is made of, in radii: ``x, r, psi, H`` of pearls, sections of rings and coils.
-
-        Raises:
-            InputError: the shape is made of no single curve.
-        """
-        from pearlbvp.studies.export import profile_table
-
-        return profile_table(self, samples)
-
-    def surface(self, nodes: int = 3000) -> PeriodicMesh:
-        """The shape as triangles on one period of the tube, with about so many vertices."""
-        from pearlbvp.studies.mesh import shape_mesh
-
-        return shape_mesh(self, nodes)
-
-    def plot(self) -> Figure:
-        """A picture of the surface."""
-        from pearlbvp.figures.surface import draw_surfaces
-
-        return draw_surfaces([self], columns=1)
-
-
-def _solution(found: solutions.Solution[Any]) -> Solution:
-    return Solution(**{field.name: getattr(found, field.name) for field in fields(found)})
-
-
-def _is_kind(kind: str) -> bool:
-    """Whether there are special points of a kind."""
-    from pearlbvp.studies.branch import SPECIAL
-
-    return kind in (*SPECIAL, "start", "end", "stop")
-
-
-class Branch(core.Branch[Any]):
-    """A branch: its table, its special points, and where to go on from it.
-
-    ``branch[3]`` is a solution, ``branch["bp"]`` are those at all branch points, ``branch["bp:2"]`` is that at the second.
-    """
-
-    @classmethod
-    def of(cls, found: core.Branch[Any]) -> Branch:
-        """A branch of the rooms below."""
-        return cls(**{field.name: getattr(found, field.name) for field in fields(found)})
-
-    def __len__(self) -> int:
-        return len(self.points)
-
-    def __iter__(self) -> Iterator[Solution]:
-        return map(_solution, self.points)
-
-    @overload
-    def __getitem__(self, which: int) -> Solution: ...
-
-    @overload
-    def __getitem__(self, which: slice) -> list[Solution]: ...
-
-    @overload
-    def __getitem__(self, which: str) -> Solution | list[Solution]: ...
-
-    def __getitem__(self, which: int | slice | str) -> Solution | list[Solution]:
-        """A point by its number, several by a slice, all special points of a kind, or one of them.
-
-        Raises:
-            InputError: there is no such special point.
-            IndexError: there is no such point.
-        """
-        if isinstance(which, slice):
-            return [_solution(point) for point in self.points[which]]
-        if not isinstance(which, str):
-            return _solution(self.points[which])
-        kind, _, number = which.rpartition(":")
-        kind = kind if number.isdigit() else which
-        if not _is_kind(kind):
-            raise InputError(
-                f"point: {which!r} is no special point; give one like 'bp', 'bp:2', 'fold:v', 'cmc' or 'end', or a number"
-            )
-        if kind == which:
-            return [_solution(self.at(special)) for special in self.find(which)]
-        found = self.find(kind)
-        if not 1 <= int(number) <= len(found):
-            raise InputError(f"point: the branch has {len(found)} special points {kind}, so there is no {which}")
-        return _solution(self.at(found[int(number) - 1]))
-
-    def resume(self, until: Until | None = None, **how: Any) -> Branch:
-        """Go on from the last point; this branch and what follows as one.
-
-        Args:
-            until: where to stop.
-            how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
-
-        Raises:
-            InputError: nothing can follow, or an argument cannot be used.
-        """
-        from pearlbvp.studies.onward import resumed
-
-        return _followed(lambda options: resumed(self, options), until, how)
-
-    def switch(
-        self,
-        number: int,
-        until: Until | None = None,
-        *,
-        centre: Literal["pearl", "neck"] | None = None,
-        grow: bool = True,
-        **how: Any,
-    ) -> Branch:
-        """The branch that crosses this one at its branch point ``number`` (the first is 1).
-
-        Args:
-            number: which of the branch points.
-            until: where to stop.
-            centre: of pearls: whether the new shapes are centred on a pearl or on a neck.
-            grow: which half of a pitchfork is followed: that on which the tube grows at its centre, or the other.
-            how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
-
-        Raises:
-            InputError: there is no such branch point, or its shapes cannot be followed, or an argument cannot be used.
-        """
-        from pearlbvp.studies.onward import switched
-
-        return _followed(lambda options: switched(self, number, options, centre=centre, grow=grow), until, how)
-
-    def vary(
-        self,
-        name: str,
-        until: Until | None = None,
-        *,
-        point: int = -1,
-        keep: str = "v",
-        down: bool | None = None,
-        **how: Any,
-    ) -> Branch:
-        """The branch through a point of this one along which ``c0`` or ``L`` varies.
-
-        Args:
-            name: what varies.
-            until: where to stop.
-            point: from which point; by default the last.
-            keep: what stays as it is there: ``v`` or ``lambda2``.
-            down: whether to begin towards smaller values; by default towards where ``until`` wants it.
-            how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
-
-        Raises:
-            InputError: an argument that cannot be used.
-        """
-        from pearlbvp.studies.onward import varied
-
-        point = whole("point", point, -math.inf)
-        if not -len(self) <= point < len(self):
-            raise InputError(f"point: there is no point {point}; the branch has points 0 to {len(self) - 1}")
-        upwards = _upwards(down, until, name, self.points[point].observables)
-        return _followed(lambda options: varied(self, point, name, options, keep=keep, upwards=upwards), until, how)
-
-    def follow(
-        self, kind: str, number: int, name: str, until: Until | None = None, *, down: bool | None = None, **how: Any
-    ) -> Branch:
-        """The curve of one of this branch's folds or branch points while ``c0`` or ``L`` varies.
-
-        Args:
-            kind: ``bp``, or ``fold:NAME`` of a column.
-            number: which of them (the first is 1).
-            name: what varies.
-            until: where to stop.
-            down: whether to begin towards smaller values; by default towards where ``until`` wants it.
-            how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
-
-        Raises:
-            InputError: there is no such special point, or an argument cannot be used.
-        """
-        from pearlbvp.studies.onward import followed
-
-        upwards = _upwards(down, until, name, self.points[-1].observables)
-        return _followed(lambda options: followed(self, kind, number, name, options, upwards=upwards), until, how)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Save it as HDF5, whole or not at all; ``pearlbvp.load`` reads it.
-
-        Raises:
-            InputError: the place cannot be written to.
-        """
-        from pearlbvp.studies.saved import save
-
-        save(self, path)
-
-    def plot(self, title: str = "") -> Figure:
-        """Its diagrams and some of its shapes."""
-        from pearlbvp.figures.branch import draw_branch
-
-        return draw_branch(self, self.table(), title)
-
-    def table(self) -> pd.DataFrame:
-        """A row a point, with the columns that every family has: ``pearlbvp.studies.branch.COLUMNS``."""
-        from pearlbvp.studies.branch import COLUMNS
-
-        table = super().table()
-        return table[[*COLUMNS, *(name for name in table if name not in COLUMNS)]]
-
-
-def _upwards(down: bool | None, until: Until | None, name: str, observed: Mapping[str, float]) -> bool:
-    """Whether what varies is to grow at first: as asked, or towards its wanted value."""
-    if down is not None:
-        return not down
-    return (until or {}).get(name, float("inf")) >= observed.get(name, float("-inf"))
-
-
-def _followed(follow: Any, until: Until | None, how: Mapping[str, Any]) -> Branch:
-    """A branch, with signs of life on a terminal while it is followed."""
-    from pearlbvp.progress import progress
-    from pearlbvp.studies.branch import branch_options
-
-    _check_names(how, ("max_points", "step", "max_step"))
-    with progress("point") as bar:
-
-        def count(so_far: core.Branch[Any]) -> None:
-            bar.update(len(so_far.points) - bar.n)
-
-        return Branch.of(follow(branch_options(until, progress=count, **how)))
 
 
 def branch(
@@ -297,7 +64,7 @@ def branch(
             tube, family, mode, options, nodes=nodes, discretization=discretization, fixed=fixed, tolerance=tolerance
         )
 
-    return _followed(follow, until, how)
+    return followed_by(follow, until, how)
 
 
 def load(path: str | os.PathLike[str]) -> Branch:
@@ -341,22 +108,10 @@ def flow(
     from pearlbvp.studies.branch import known_point
     from pearlbvp.studies.flow_start import mesh_start, solution_start
 
-    _check_names(how, [field.name for field in fields(FlowOptions)])
+    check_names(how, [field.name for field in fields(FlowOptions)])
     known_point(start)
     begun = solution_start(start, law=law, size=size) if nodes is None else mesh_start(start, nodes, law=law)
     return run(begun.problem, begun.perturbed(perturb, delta), FlowOptions(**how))
-
-
-def _check_names(how: Mapping[str, Any], names: Iterable[str]) -> None:
-    """Refuse arguments of other names.
-
-    Raises:
-        InputError: the first of them, and those that there are.
-    """
-    known = list(names)
-    for name in how:
-        if name not in known:
-            raise InputError(f"{name}: there is no such argument; there are {', '.join(known)}")
 
 
 def diagram(

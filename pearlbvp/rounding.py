@@ -39,7 +39,7 @@ def steps(values: Array) -> Array:
     words = (str(value) for value in (some.astype(np.float32) if single else some.tolist()))
     written = [Decimal(word).normalize().as_tuple() for word in words]
     decimals, digits = (
-        int(np.quantile(counts, 1 - ODD, method="lower"))
+        int(np.quantile(counts, 1 - ODD, method="higher"))
         for counts in ([-int(number.exponent) for number in written], [len(number.digits) for number in written])
     )
     sizes = np.abs(np.where(np.isfinite(values) & (values != 0), values, 10.0**-decimals))

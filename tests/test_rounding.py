@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from pearlbvp.errors import InputError
 from pearlbvp.flows.driver import start
@@ -206,3 +208,18 @@ def test_single_precision_is_known_by_its_values():
 def test_one_long_number_among_many_is_no_precision():
     values = np.append(decimals(np.random.default_rng(2).uniform(0, 1, 99), 3), 0.1 + 0.2)
     assert steps(values)[:99] == pytest.approx(np.full(99, 1e-3))
+
+
+def test_of_a_few_numbers_the_longest_tells_the_precision():
+    assert steps(np.array([1, 1.1, 1, 0.9, 1])) == pytest.approx([0.1, 0.1, 0.1, 0.1, 0.1])
+
+
+@given(st.integers(0, 10**6), st.integers(4, 30), st.integers(1, 3))
+@settings(max_examples=40, deadline=None)
+def test_smoothing_moves_no_row_by_more_than_its_rounding_may_have(seed, count, d):
+    x = L * np.arange(count) / count
+    draw = np.random.default_rng(seed)
+    r = decimals(1 + draw.uniform(0.05, 0.4) * np.cos(2 * np.pi * x / L + draw.uniform(0, 6)), d)
+    kept = read(x, r)
+    slope = np.abs(np.gradient(r, x)).max()
+    assert np.abs(kept.r - r).max() <= 10.0**-d + slope * steps(x).max()
