@@ -63,6 +63,18 @@ def check_options(context: click.Context) -> None:
 class Command(click.Command):
     """A command of the package: what its studies say of an argument is said of the option that it came from."""
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the line, of which click would take the last of several values without a word.
+
+        Raises:
+            InputError: an option of one value is there twice.
+        """
+        _, _, order = self.make_parser(ctx).parse_args(args=list(args))
+        for param in order:
+            if isinstance(param, click.Option) and not (param.multiple or param.is_flag) and order.count(param) > 1:
+                raise InputError(f"{param.opts[0]}: it is given twice; give it once")
+        return super().parse_args(ctx, args)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run it.
 

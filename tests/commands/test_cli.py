@@ -428,3 +428,8 @@ def test_amplitude_map_writes_a_row_a_tube(capsys, tmp_path):
     assert (status, len(out.splitlines())) == (0, 1 + 9 * 2)
     assert is_png(tmp_path / "m.png")
     assert {"0:2"} <= set(pd.read_csv(meetings)["mode"])
+
+
+def test_an_option_of_one_value_is_refused_where_it_is_there_twice(capsys):
+    status, out, err = run(capsys, "dispersion", "--c0", "0", "--length", "10", "--c0", "1")
+    assert (status, out, err) == (2, "", "pearlbvp: --c0: it is given twice; give it once\n")
