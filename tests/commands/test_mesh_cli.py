@@ -145,7 +145,8 @@ def test_other_errors_inside_compiled_code_are_no_interruption(monkeypatch):
     ],
 )
 def test_mistakes_with_nodes_are_one_line(capsys, arguments, name):
-    status, out, err = run(capsys, "branch", "pearl", "--c0", 0, "--length", 10, *arguments)
+    length = [] if "--length" in arguments else ["--length", 10]
+    status, out, err = run(capsys, "branch", "pearl", "--c0", 0, *length, *arguments)
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert name in err.partition(": ")[2]
     assert "; " in err or "see --help" in err  # the remedy

@@ -152,11 +152,11 @@ def test_neither_a_foreign_backend_nor_broken_settings_nor_an_unwritable_folder_
                     "MPLCONFIGDIR": str(tmp_path / "matplotlibrc"), "HOME": str(tmp_path / "home"), "PYTHONPATH": str(ROOT)}  # fmt: skip
     if foreign == "nonsense":  # and the font cache of this machine, to be quick
         del surroundings["MPLCONFIGDIR"], surroundings["HOME"]
-    arguments = ["dispersion", "--c0", "0.48", "--length", "30", "--out", "t.csv", "--plot"]
+    arguments = ["dispersion", "--c0", "0.48", "--length", "30", "--out"]
     done = subprocess.run(
-        [sys.executable, "-m", "pearlbvp", *arguments, "p.png"], cwd=tmp_path, env=os.environ | surroundings,
+        [sys.executable, "-m", "pearlbvp", *arguments, "t.csv", "--plot", "p.png"], cwd=tmp_path, env=os.environ | surroundings,
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (0, "")
-    run(capsys, *arguments, tmp_path / "own.png", "--out", tmp_path / "t.csv")
+    run(capsys, *arguments, tmp_path / "t.csv", "--plot", tmp_path / "own.png")
     assert (tmp_path / "p.png").read_bytes() == (tmp_path / "own.png").read_bytes()
