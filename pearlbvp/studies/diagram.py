@@ -20,6 +20,8 @@ from pearlbvp.studies.onward import switched
 if TYPE_CHECKING:
     import pandas as pd
 
+    from pearlbvp.shapes.pearl import Centre
+
 MIXED = "mixed"
 """What branches off from rings, coils and buckles, and from that again."""
 
@@ -227,7 +229,7 @@ def _primary(tube: Tube, family: str, mode: WaveNumbers, options: BranchOptions)
         return error.args[0]
 
 
-def _secondary(branch: Branch[Any], number: int, centre: Any, options: BranchOptions) -> Branch[Any] | str:
+def _secondary(branch: Branch[Any], number: int, centre: Centre | None, options: BranchOptions) -> Branch[Any] | str:
     """The branch that crosses another at its branch point ``number``."""
     try:
         return switched(branch, number, options, centre=centre)
@@ -235,11 +237,11 @@ def _secondary(branch: Branch[Any], number: int, centre: Any, options: BranchOpt
         return error.args[0]
 
 
-def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, str]]:
-    """Names, numbers and centres of what branches off a branch."""
+def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, Centre | None]]:
+    """Names, numbers and centres of what branches off a branch; no centre where there is no choice, or by default."""
     for number, special in enumerate(branch.find("bp"), start=1):
-        yield f"{name}/{number}", number, "pearl"
-        if branch.points[-1].problem.family == "pearl" and special.block.parity is None:
+        yield f"{name}/{number}", number, None
+        if branch.points[-1].problem.centred and special.block.parity is None:
             yield f"{name}/{number} neck", number, "neck"
 
 

@@ -33,6 +33,17 @@ def test_what_is_not_followed_is_said():
     assert all("n = 1" in reason for reason in found.skipped.values())
 
 
+def test_what_leaves_rings_is_followed():
+    options = {"ring": branch_options({"bp": 1}), "mixed": branch_options(max_points=2)}
+    found = diagram(0, 10, 1, options, modes=[(0, 2)])
+    assert not found.skipped
+    assert list(found.branches) == ["ring 0:2", "ring 0:2/1"]
+    left, new = found.branches["ring 0:2"].points[-1], found.branches["ring 0:2/1"]
+    for name in ("lambda1", "lambda2", "v", "E"):
+        assert new.points[0].observables[name] == pytest.approx(left.observables[name], abs=1e-9)
+    assert new.points[-1].observables["r_min"] < new.points[0].observables["r_min"]
+
+
 @pytest.mark.parametrize("depth", [-1, 0.5])
 def test_depth_is_a_whole_number(depth):
     with pytest.raises(InputError, match="^depth: "):
