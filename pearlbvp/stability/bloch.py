@@ -8,8 +8,8 @@ The second variation of the energy at fixed multipliers, in the direction of a n
 multiplied by ``w`` and integrated by parts (``div`` of the cofactor of the curvature tensor vanishes, Codazzi). It is
 discretized by Fourier series in the isothermal coordinate ``xi``, ``ds = r dxi``, in which ``Lap = (d^2/dxi^2 - n^2)/r^2``
 and a neck of radius ``eps`` costs ``log(1/eps)`` points. The matrix is Hermitian by construction. Where the profile has
-planes of reflection and ``theta`` is 0 or pi, waves are even or odd about the first of them (the belly): real matrices of
-half the size.
+planes of reflection, waves of any ``theta`` have a real matrix on real vectors: their real parts, even about the first of
+the planes (the belly), and their imaginary parts, odd about it. Where ``theta`` is 0 or pi the two are apart.
 """
 
 from __future__ import annotations
@@ -25,51 +25,18 @@ from pearlbvp.arrays import Array
 from pearlbvp.constrained import restricted
 from pearlbvp.helfrich import Fixed
 from pearlbvp.representation import brief
+from pearlbvp.stability.isothermal import Isothermal
 from pearlbvp.stability.profile import Profile, curvatures
-
-_GAUSS_NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
-
-
-def isothermal_points(profile: Profile, count: int) -> tuple[Array, float]:
-    """Points of the whole period evenly spaced in ``xi = integral of ds/r``, at ``(j + 1/2) / count`` of it.
-
-    Returns:
-        ``sigma`` (as ``Profile.at`` takes it), shape (count,), and the period in ``xi``.
-    """
-    mesh, states = profile.states.mesh, profile.states
-
-    def xi_beyond(left: Array, right: Array) -> Array:
-        """Integral of ds/r from left to right, each pair inside one interval."""
-        half = (right - left) / 2
-        points = (left + right)[:, None] / 2 + half[:, None] * _GAUSS_NODES
-        radius = states(points.ravel())[:, 0].reshape(points.shape)
-        result: Array = profile.arclength * half * ((1 / radius) @ _GAUSS_WEIGHTS)
-        return result
-
-    at_mesh = np.concatenate(([0.0], np.cumsum(xi_beyond(mesh[:-1], mesh[1:]))))
-    copies = 2 if profile.half else 1
-    total = copies * at_mesh[-1]
-    target = (np.arange(count) + 0.5) * total / count
-    folded = np.where(target > at_mesh[-1], total - target, target)
-    interval = np.clip(np.searchsorted(at_mesh, folded, side="right") - 1, 0, len(mesh) - 2)
-    left, right = mesh[interval], mesh[interval + 1]
-    sigma = left + (right - left) * (folded - at_mesh[interval]) / (at_mesh[interval + 1] - at_mesh[interval])
-    for _ in range(20):  # Newton: d xi / d sigma = arclength / r
-        miss = at_mesh[interval] + xi_beyond(left, sigma) - folded
-        step = miss * states(sigma)[:, 0] / profile.arclength
-        sigma = np.clip(sigma - step, left, right)
-        if np.abs(step).max() < 1e-14:
-            break
-    return np.where(target > at_mesh[-1], 2 - sigma, sigma), float(total)
 
 
 @lru_cache(maxsize=64)
 def waves(count: int, theta: float, parity: str | None) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Waves, their derivatives, and wave numbers per period, at the points ``(j + 1/2) / count``.
 
-    Without parity: ``e^{i kappa xi}`` on ``count`` points. With parity: cosines or sines on the first half of the points,
-    where the discrete transforms DCT-II, DST-II (``theta = 0``), DCT-IV, DST-IV (``theta = pi``) make them orthonormal.
-    Derivatives are to be multiplied by the wave numbers.
+    Without parity: ``e^{i kappa xi}`` on ``count`` points. With one, on the first half of the points: cosines or sines, which
+    the discrete transforms DCT-II, DST-II (``theta = 0``), DCT-IV, DST-IV (``theta = pi``) make orthonormal; or ``both``,
+    cosines above sines, the real and the imaginary part of ``e^{i kappa xi}``. Derivatives are to be multiplied by the wave
+    numbers.
     """
     if parity is None:
         x = (np.arange(count) + 0.5) / count
@@ -78,13 +45,52 @@ def waves(count: int, theta: float, parity: str | None) -> tuple[NDArray[Any], N
         return wave, 1j * wave, kappa
     half = count // 2
     x = (np.arange(half) + 0.5) / count
-    shift = 1 if parity == "odd" and theta == 0 else 0
-    kappa = 2 * np.pi * (np.arange(half) + shift) + theta
+    if parity == "both":
+        kappa = 2 * np.pi * (np.arange(count) - half) + theta
+    else:
+        kappa = 2 * np.pi * (np.arange(half) + (1 if parity == "odd" and theta == 0 else 0)) + theta
     angles = np.outer(x, kappa)
-    even = parity == "even"
-    wave, slope = (np.cos(angles), -np.sin(angles)) if even else (np.sin(angles), np.cos(angles))
+    cosines, sines = np.cos(angles), np.sin(angles)
+    wave, slope = {
+        "even": (cosines, -sines),
+        "odd": (sines, cosines),
+        "both": (np.vstack((cosines, sines)), np.vstack((-sines, cosines))),
+    }[parity]
     sizes = np.linalg.norm(wave, axis=0)
     return wave / sizes, slope / sizes, kappa
+
+
+@lru_cache(maxsize=32)
+def derivatives(count: int, theta: float, parity: str | None) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Matrices from values at the points to those of the first and the second derivative of the sum of ``waves``.
+
+    By a coordinate of period 1. The first one's rows have the other parity.
+    """
+    wave, slope, kappa = waves(count, theta, parity)
+    inverse = wave.conj().T
+    return (slope * kappa) @ inverse, (wave * -(kappa**2)) @ inverse
+
+
+@dataclass(frozen=True)
+class QuadraticForm:
+    """The second variation on all waves of a ``theta`` (and a parity): ``at_rest + n^2 by_square - n^4/2 by_fourth``.
+
+    Attributes:
+        at_rest, by_square: Hermitian, on ``r w`` at the points, shape (K, K).
+        by_fourth: a diagonal, shape (K,).
+    """
+
+    __repr__ = brief
+
+    at_rest: NDArray[Any]
+    by_square: NDArray[Any]
+    by_fourth: Array
+
+    def matrix(self, n: int) -> NDArray[Any]:
+        """Of the growth rates of waves ``n``."""
+        found: NDArray[Any] = self.at_rest + n**2 * self.by_square
+        found.ravel()[:: len(found) + 1] -= n**4 / 2 * self.by_fourth
+        return found
 
 
 @dataclass(frozen=True)
@@ -93,18 +99,20 @@ class SecondVariation:
 
     Attributes:
         xi_period: the period in the isothermal coordinate.
-        r, q: radius and ``Q`` at the points, shape (K,).
+        count: of the points of the whole period.
+        r, q: radius and ``Q`` at the points, shape (K,); ``K`` is ``count``, or half of it where the profile is symmetric.
         by_slope: coefficient of ``w'^2``.
         by_n: coefficient of ``n^2 w^2 / r^2``.
         by_value: coefficient ``R`` of ``w^2``.
         h: mean curvature.
         psi: tangent angle.
-        symmetric: whether the points mirror each other, so that waves have parities.
+        symmetric: whether the other half of the points mirrors these, so that waves have parities.
     """
 
     __repr__ = brief
 
     xi_period: float
+    count: int
     r: Array
     q: Array
     by_slope: Array
@@ -115,10 +123,17 @@ class SecondVariation:
     symmetric: bool
 
     @classmethod
-    def of(cls, profile: Profile, points: int = 64) -> SecondVariation:
-        """Sample a profile at an even number of points of its whole period (an odd one is raised by one)."""
-        sigma, total = isothermal_points(profile, points + points % 2)
-        states = profile.at(sigma)
+    def of(cls, profile: Profile, points: int = 64, coordinate: Isothermal | None = None) -> SecondVariation:
+        """Sample a profile at an even number of points of its whole period (an odd one is raised by one).
+
+        Args:
+            profile: the profile.
+            points: how many.
+            coordinate: the profile's, where it is known.
+        """
+        coordinate = coordinate or Isothermal.of(profile)
+        count = points + points % 2
+        states = profile.states(coordinate.points(count))
         g = curvatures(states, profile)
         q = 4 * g.h**2 - 2 * g.gauss
         f = 2 * g.h**2 - 2 * (profile.c0**2 + profile.lambda1)
@@ -133,13 +148,14 @@ class SecondVariation:
             - ((g.around - g.h) * (g.h2 - g.b * g.h1) - g.h1**2)  # from 2 (H - kappa_s) H' w w'
         )
         by_slope, by_n = f / 2 + coupling * g.around, f / 2 + coupling * g.along
-        return cls(total, g.r, q, by_slope, by_n, by_value, g.h, states[:, 1], profile.half)
+        return cls(coordinate.period, count, g.r, q, by_slope, by_n, by_value, g.h, states[:, 1], profile.half)
 
-    def matrix(self, n: int, theta: float, parity: str | None = None) -> NDArray[Any]:
-        """Hermitian matrix of the growth rates, acting on ``r w`` at the points (the first half of them with a parity).
+    def form(self, theta: float, parity: str | None = None) -> QuadraticForm:
+        """The second variation on waves with a phase, acting on ``r w`` at the points.
+
+        On a symmetric profile real: without a parity on the real part of ``r w``, then the imaginary part.
 
         Args:
-            n: azimuthal number.
             theta: phase per period.
             parity: ``even`` or ``odd`` about the belly, where ``theta`` is 0 or pi and the profile symmetric.
 
@@ -148,32 +164,48 @@ class SecondVariation:
         """
         if parity is not None and not (self.symmetric and theta in (0.0, np.pi)):
             raise ValueError("parity: only waves with theta = 0 or pi on a profile with planes of reflection have one")
-        wave, slope_wave, per_period = waves(len(self.r), theta, parity)
-        here = slice(None, len(wave))
-        r = self.r[here]
-        kappa = per_period / self.xi_period
-        slope = (slope_wave * kappa) @ wave.conj().T
-        laplacian = (wave * -(kappa**2 + n**2)) @ wave.conj().T
-        bending = laplacian / r[:, None] + np.diag(self.q[here] * r)  # r (Lap w + Q w)
-        value = r**2 * self.by_value[here] + n**2 * self.by_n[here]
-        form = -0.5 * bending.conj().T @ bending + slope.conj().T @ (self.by_slope[here, None] * slope) + np.diag(value)
-        form = form / np.outer(r, r)
-        hermitian: NDArray[Any] = (form + form.conj().T) / 2
-        return hermitian
+        both = parity is None and self.symmetric
+        first, second = derivatives(self.count, theta, "both" if both else parity)
+        of_points = np.array((self.r, self.q, self.by_slope, self.by_n, self.by_value))
+        r, q, by_slope, by_n, by_value = np.tile(of_points, 2) if both else of_points
+        bending = second / (self.xi_period**2 * np.outer(r, r))  # r (Lap w + Q w) is this, and - n^2 / r^2, times r w
+        bending.ravel()[:: len(r) + 1] += q
+        slope = first / (self.xi_period * r)
+        at_rest = slope.conj().T @ (by_slope[:, None] * slope) - 0.5 * (bending.conj().T @ bending)
+        at_rest.ravel()[:: len(r) + 1] += by_value
+        by_square = bending / r[:, None] ** 2
+        by_square.ravel()[:: len(r) + 1] += by_n / r**2
+        return QuadraticForm(_hermitian(at_rest), _hermitian(by_square), 1 / r**4)
+
+    def matrix(self, n: int, theta: float, parity: str | None = None) -> NDArray[Any]:
+        """Hermitian matrix of the growth rates of the Bloch waves ``(n, theta)``; see ``form``."""
+        return self.form(theta, parity).matrix(n)
+
+    def constraints(self, size: int, fixed: Fixed) -> list[Array]:
+        """Rows on ``r w`` of waves even about the belly, or without a parity, that keep area and volume.
+
+        ``integral of H w dS = 0`` keeps the area, ``integral of w dS = 0`` the volume. On a surface of constant mean
+        curvature the two are one.
+        """
+        rows = {"nothing": [], "area": [self.h * self.r], "area and volume": [self.h * self.r, self.r]}[fixed]
+        return [np.pad(row, (0, size - len(row))) for row in rows]  # imaginary parts are odd: they change neither
 
     def growth_rates(
         self, n: int, theta: float, parity: str | None = None, *, fixed: Fixed = "area and volume"
     ) -> Array:
         """Growth rates of the Bloch waves ``(n, theta)``, largest first.
 
-        Only ``n = 0, theta = 0`` (and not odd) is affected by what is ``fixed``: ``integral of H w dS = 0`` keeps the area,
-        ``integral of w dS = 0`` the volume. On a surface of constant mean curvature the two are one.
+        Only ``n = 0, theta = 0`` (and not odd) is affected by what is ``fixed``.
         """
         matrix = self.matrix(n, theta, parity)
-        if n == 0 and theta == 0 and parity != "odd" and fixed != "nothing":
-            r, h = self.r[: len(matrix)], self.h[: len(matrix)]
-            (matrix,) = restricted((h * r, r) if fixed == "area and volume" else (h * r,), matrix)
+        if n == 0 and theta == 0 and parity != "odd":
+            (matrix,) = restricted(self.constraints(len(matrix), fixed), matrix)
         return np.asarray(np.linalg.eigvalsh(matrix)[::-1])
+
+
+def _hermitian(matrix: NDArray[Any]) -> NDArray[Any]:
+    """The Hermitian part."""
+    return np.asarray((matrix + matrix.conj().T) / 2)
 
 
 def growth_rates(profile: Profile, n: int, theta: float, points: int = 64) -> Array:

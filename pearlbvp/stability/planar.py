@@ -229,8 +229,10 @@ class PlanarVariation:
         """Largest error of a rigid motion as a kernel: how well profile and points resolve the rates."""
         found = 0.0
         for c, parity in classes_of(self.profile.n):
-            for kernel in self.kernels(c, parity):
-                found = max(found, kernel_residual(self.matrices(c, parity)[0], kernel))
+            if kernels := self.kernels(c, parity):
+                matrix = self.matrices(c, parity)[0]
+                largest = float(np.linalg.eigvalsh(matrix)[-1])
+                found = max(found, *(kernel_residual(matrix, kernel, largest) for kernel in kernels))
         return found
 
 

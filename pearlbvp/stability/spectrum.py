@@ -7,6 +7,7 @@ form, removed by projection, and their residual says whether the profile and the
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any, NamedTuple
 
@@ -18,7 +19,8 @@ from pearlbvp.constrained import restricted
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Fixed
-from pearlbvp.stability.bloch import SecondVariation, isothermal_points
+from pearlbvp.stability.bloch import QuadraticForm, SecondVariation
+from pearlbvp.stability.isothermal import Isothermal
 from pearlbvp.stability.profile import Profile
 
 
@@ -53,48 +55,52 @@ def blocks_of(cells: int, n: int, symmetric: bool) -> list[Block]:
     return blocks
 
 
-def _kernel(variation: SecondVariation, block: Block) -> Array | None:
-    """The translation in a block, as ``r w`` at its points: along the axis ``-sin psi``, across it ``cos psi``."""
-    if block.j != 0:
+def _kernel(variation: SecondVariation, block: Block, size: int) -> Array | None:
+    """The translation in a block, as ``r w`` at its points: along the axis ``-sin psi``, odd, across it ``cos psi``, even."""
+    if block.j != 0 or block.n > 1 or block.parity == ("even", "odd")[block.n]:
         return None
-    if block.n == 0 and block.parity != "even":
-        return variation.r * np.sin(variation.psi)
-    if block.n == 1 and block.parity != "odd":
-        return variation.r * np.cos(variation.psi)
-    return None
+    kernel = variation.r * (np.sin(variation.psi) if block.n == 0 else np.cos(variation.psi))
+    unmoved = np.abs(kernel).max() < 1e-6  # the straight tube by one along its axis
+    missing = size - len(kernel)  # the parts of the other parity
+    return None if unmoved else np.pad(kernel, (missing, 0) if block.n == 0 else (0, missing)) / np.linalg.norm(kernel)
 
 
-def kernel_residual(matrix: NDArray[Any], kernel: Array) -> float:
+def kernel_residual(matrix: NDArray[Any], kernel: Array, largest: float) -> float:
     """Size of ``(matrix - shift)^{-1} matrix kernel``: the error of a unit kernel vector, in the units of growth rates.
 
-    The plain residual would be that of a fourth derivative, in which the rounding of the profile drowns everything else.
+    The plain residual would be that of a fourth derivative, in which the rounding of the profile drowns everything else. The
+    shift is one beyond the ``largest`` growth rate, or beyond 0.
     """
-    shift = 1 + max(0.0, float(np.linalg.eigvalsh(matrix)[-1]))
+    shift = 1 + max(0.0, largest)
     defect = matrix @ kernel
     return float(np.linalg.norm(np.linalg.solve(matrix - shift * np.eye(len(matrix)), defect)))
 
 
-def block_rates(variation: SecondVariation, block: Block, fixed: Fixed = "area and volume") -> tuple[Array, float]:
+def block_rates(
+    variation: SecondVariation, block: Block, fixed: Fixed = "area and volume", form: QuadraticForm | None = None
+) -> tuple[Array, float]:
     """Growth rates of a block without its exact kernel, largest first, and how well that kernel is one.
+
+    Args:
+        variation: of the profile.
+        block: the block.
+        fixed: what perturbations keep.
+        form: the variation's on waves of the block's ``theta`` and parity, where it is known.
 
     Returns:
         The rates, and how far the exact kernel is from one (0 where there is none); see ``kernel_residual``.
     """
-    matrix = variation.matrix(block.n, block.theta, block.parity)
-    size = len(matrix)
-    normals = []
-    residual = 0.0
-    kernel = _kernel(variation, block)
-    if kernel is not None and np.abs(kernel).max() > 1e-6:
-        kernel = kernel[:size] / np.linalg.norm(kernel[:size])
-        residual = kernel_residual(matrix, kernel)
-        normals.append(kernel)
-    if block.n == 0 and block.j == 0 and block.parity != "odd" and fixed != "nothing":
-        normals.append(variation.h[:size] * variation.r[:size])
-        if fixed == "area and volume":
-            normals.append(variation.r[:size])
-    (matrix,) = restricted(normals, matrix)
-    return np.asarray(np.linalg.eigvalsh(matrix)[::-1]), residual
+    matrix = (form or variation.form(block.theta, block.parity)).matrix(block.n)
+    kernel = _kernel(variation, block, len(matrix))
+    kernels = [] if kernel is None else [kernel]
+    constrained = block.n == 0 and block.j == 0 and block.parity != "odd"
+    constraints = variation.constraints(len(matrix), fixed) if constrained else []
+    (inside,) = restricted([*kernels, *constraints], matrix)
+    rates = np.asarray(np.linalg.eigvalsh(inside)[::-1])
+    if kernel is None:
+        return rates, 0.0
+    largest = float(np.linalg.eigvalsh(matrix)[-1] if constraints else rates[0])
+    return rates, kernel_residual(matrix, kernel, largest)
 
 
 MANY = 420
@@ -103,12 +109,24 @@ MANY = 420
 _KEPT = 12
 """Growth rates kept of each block, besides the positive ones."""
 
+LEAST_N = 3
+"""Azimuthal numbers that are looked at in any case."""
 
-def _sampled(profile: Profile, points: int) -> tuple[SecondVariation, float]:
-    """The second variation on some points, and how far translations are from being its kernel."""
-    variation = SecondVariation.of(profile, points)
-    translations = [block for n in (0, 1) for block in blocks_of(1, n, profile.half)]
-    return variation, max(block_rates(variation, block)[1] for block in translations)
+
+def _of_blocks(variation: SecondVariation, blocks: list[Block], fixed: Fixed) -> tuple[dict[Block, Array], float]:
+    """Leading growth rates of some blocks, and the largest error of an exact kernel.
+
+    Blocks of one ``theta`` and parity, which stand together, share their quadratic form.
+    """
+    rates, residual = {}, 0.0
+    for (_, parity), together in itertools.groupby(blocks, key=lambda block: (block.j, block.parity)):
+        form = None
+        for block in together:
+            form = form or variation.form(block.theta, parity)
+            found, error = block_rates(variation, block, fixed, form)
+            rates[block] = found[: _KEPT + int((found > 0).sum())]
+            residual = max(residual, error)
+    return rates, residual
 
 
 def spectrum(
@@ -124,8 +142,7 @@ def spectrum(
     """Growth rates of all perturbations of a tube of ``cells`` periods, over all ``n`` that matter.
 
     The number of Fourier points is doubled until the exact kernels are kernels to ``tolerance``, as long as that helps.
-    Azimuthal numbers go up
-    until, past ``n = 2``, all rates of one are negative and below those of the one before.
+    Azimuthal numbers go up until, from ``n = 2`` on, all rates of one are negative and below those of the one before.
 
     Args:
         profile: one period, or half of it.
@@ -141,7 +158,8 @@ def spectrum(
     Raises:
         SpectrumError: far more wind around the tube and grow.
     """
-    length = isothermal_points(profile, 2)[1]
+    coordinate = Isothermal.of(profile)
+    length = coordinate.period * (1 - 1e-12)  # a straight tube's is exact: its rounding is to add no points
     seven = 2 * math.ceil(3.5 * length)
     if points is None:
         fastest = math.sqrt(
@@ -149,24 +167,30 @@ def spectrum(
         )  # that grows on the straight tube
         points = max(48, min(seven, max(MANY, 2 * math.ceil(length * max(1.25, fastest / 2)))))
     max_points = max(768, seven) if max_points is None else max_points
-    variation, residual = _sampled(profile, points)
-    while residual > tolerance and 2 * points <= max_points:
-        finer, smaller = _sampled(profile, 2 * points)
-        if smaller > residual / 2:  # rounding, or the profile itself, is what remains
-            break
-        variation, residual, points = finer, smaller, 2 * points
     if profile.lambda2 > (max_n + 1) ** 2:  # on the straight tube they grow beyond half of that
         raise SpectrumError(
             f"waves of more than n = {max_n} around the tube grow on such short pearls; take fewer, or a longer tube"
         )
-    rates: dict[Block, Array] = {}
-    before = np.inf
-    for n in range(max_n + 1):
-        for block in blocks_of(cells, n, profile.half):
-            found = block_rates(variation, block, fixed)[0]
-            rates[block] = found[: _KEPT + int((found > 0).sum())]
-        largest = max(float(rates[block][0]) for block in rates if block.n == n)
-        if n >= 2 and largest < 0 and largest < before:
-            return Spectrum.of(rates, residual, points=points)
-        before = largest
-    return Spectrum.of(rates, residual, complete=False, points=points)
+    first = [block for n in range(LEAST_N) for block in blocks_of(cells, n, profile.half)]
+    first.sort(key=lambda block: (block.j, block.parity or ""))
+    at_rest = [block for block in first if block.j == 0]  # translations among them
+    variation = SecondVariation.of(profile, points, coordinate)
+    rates, residual = _of_blocks(variation, at_rest, fixed)
+    while residual > tolerance and 2 * points <= max_points:
+        finer = SecondVariation.of(profile, 2 * points, coordinate)
+        again, smaller = _of_blocks(finer, at_rest, fixed)
+        if smaller > residual / 2:  # rounding, or the profile itself, is what remains
+            break
+        variation, rates, residual, points = finer, again, smaller, 2 * points
+    rates |= _of_blocks(variation, first[len(at_rest) :], fixed)[0]
+
+    def falls(n: int) -> bool:
+        """Whether nothing grows that winds ``n`` times around, and less than what winds once less."""
+        here, before = (max(float(found[0]) for block, found in rates.items() if block.n == m) for m in (n, n - 1))
+        return here < min(0.0, before)
+
+    n = LEAST_N - 1
+    while not falls(n) and n < max_n:
+        n += 1
+        rates |= _of_blocks(variation, blocks_of(cells, n, profile.half), fixed)[0]
+    return Spectrum.of(rates, residual, falls(n), points)

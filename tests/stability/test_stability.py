@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from support import pearls
 
 from pearlbvp.collocation import PiecewisePolynomial
-from pearlbvp.stability.bloch import SecondVariation, growth_rates, isothermal_points
+from pearlbvp.stability.bloch import SecondVariation, growth_rates
 from pearlbvp.stability.floquet import multipliers, neutral_cosines
+from pearlbvp.stability.isothermal import Isothermal
 from pearlbvp.stability.profile import Profile
 from pearlbvp.stability.spectrum import spectrum
 from pearlbvp.theory.dispersion import growth_rate
@@ -115,11 +116,11 @@ def test_growth_rate_at_the_paper_s_sample_a2():
 def test_second_variation_is_the_second_derivative_of_the_energy():
     """Move a pearl along its normal by ``eps w``: F changes by ``-eps^2/2 * <w, mu w>``, E, A, V by their definitions."""
     problem, u = pearls.at(pearls.path(0.0, 10.0, 1.3), "v", 1.1)
-    profile = problem.profile(u)
+    profile = problem.profile(u).mirrored()
     count = 128
     variation = SecondVariation.of(profile, count)
-    sigma, total = isothermal_points(profile, count)
-    r, psi, _, _ = profile.at(sigma).T
+    total = Isothermal.of(profile).period
+    r, psi, _, _ = profile.at(Isothermal.of(profile).points(count)).T
     xi = (np.arange(count) + 0.5) / count
     w = 0.6 + np.cos(2 * np.pi * xi) + 0.4 * np.cos(4 * np.pi * xi + 0.3)
     x0 = _integral(np.cos(psi) * r * total)
@@ -173,7 +174,10 @@ def test_mirrored_profile_is_the_half_profile_continued():
 def test_isothermal_points_are_evenly_spaced_in_the_integral_of_ds_over_r():
     problem, u = pearls.at(pearls.path(0.0, 10.0, 1.3), "v", 1.25)
     profile = problem.profile(u)
-    sigma, total = isothermal_points(profile, 42)
+    coordinate = Isothermal.of(profile)
+    total, half = coordinate.period, coordinate.points(42)
+    sigma = np.concatenate((half, 2 - half[::-1]))
+    np.testing.assert_allclose(Isothermal.of(profile.mirrored()).points(42), sigma / 2, atol=1e-12)
     fine = np.linspace(0, 2, 200_001)
     radius = profile.at(fine)[:, 0]
     xi = np.concatenate(([0], np.cumsum((1 / radius[1:] + 1 / radius[:-1]) / 2 * np.diff(fine)))) * profile.arclength
