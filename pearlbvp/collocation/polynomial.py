@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -95,12 +96,18 @@ def extremes(polynomial: PiecewisePolynomial, component: int) -> tuple[float, fl
         for interval in {max(place - 1, 0) // m, min(place, len(values) - 2) // m}:
             local = values[interval * m : (interval + 1) * m + 1]
             if 0 < place < len(values) - 1:
-                series = np.polynomial.Polynomial.fit(polynomial.scheme.points, local, m, domain=[0, 1])
-                turns = series.deriv().roots()
-                inside = turns.real[(np.abs(turns.imag) < 1e-9) & (turns.real > 0) & (turns.real < 1)]
-                best = min([best, *(sign * series(inside))])
+                series = sign * (_to_powers(m) @ local)
+                turns = np.roots(np.polyder(series))
+                inside = turns.real[(np.abs(turns.imag) < 1e-9) & (np.abs(turns.real) < 1)]
+                best = min([best, *np.polyval(series, inside)])
         found.append(sign * float(best))
     return found[0], found[1]
+
+
+@cache
+def _to_powers(m: int) -> Array:
+    """From values at the points of an interval to coefficients of the powers of ``2 tau - 1``, the highest first."""
+    return np.asarray(np.linalg.inv(np.vander(2 * gauss_scheme(m).points - 1)))
 
 
 @compiled

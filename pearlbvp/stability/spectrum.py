@@ -104,7 +104,11 @@ def block_rates(
 
 
 MANY = 420
-"""Fourier points of a period beyond which fewer are tried first than seven in each unit: their cubes are long to wait for."""
+"""Fourier points of a period beyond which fewer are tried first than five in each unit: their cubes are long to wait for."""
+
+ENOUGH, MOST = 5, 7
+"""Fourier points in each unit of the isothermal coordinate at which rates near zero are known to rounding, which more of them
+only enlarge, and to which they are raised where kernels say otherwise."""
 
 _KEPT = 12
 """Growth rates kept of each block, besides the positive ones."""
@@ -149,7 +153,7 @@ def spectrum(
         cells: periods on the tube.
         fixed: what perturbations keep.
         tolerance: for the residual of the exact kernels.
-        points: Fourier points of a period to begin with (``None``: seven in each unit of the isothermal coordinate, on long
+        points: Fourier points of a period to begin with (``None``: five in each unit of the isothermal coordinate, on long
             periods fewer).
         max_points: the most to go to (``None``: seven in each unit, and 768 at least); the result's ``residual`` says whether
             they sufficed.
@@ -160,13 +164,13 @@ def spectrum(
     """
     coordinate = Isothermal.of(profile)
     length = coordinate.period * (1 - 1e-12)  # a straight tube's is exact: its rounding is to add no points
-    seven = 2 * math.ceil(3.5 * length)
+    enough, most = (2 * math.ceil(density / 2 * length) for density in (ENOUGH, MOST))
     if points is None:
         fastest = math.sqrt(
             3 + 2 * abs(profile.lambda2) + 2 * abs(1 - 2 * profile.c0)
         )  # that grows on the straight tube
-        points = max(48, min(seven, max(MANY, 2 * math.ceil(length * max(1.25, fastest / 2)))))
-    max_points = max(768, seven) if max_points is None else max_points
+        points = max(48, min(enough, max(MANY, 2 * math.ceil(length * max(1.25, fastest / 2)))))
+    max_points = max(768, most) if max_points is None else max_points
     if profile.lambda2 > (max_n + 1) ** 2:  # on the straight tube they grow beyond half of that
         raise SpectrumError(
             f"waves of more than n = {max_n} around the tube grow on such short pearls; take fewer, or a longer tube"

@@ -9,6 +9,7 @@ from support import bloch, pearls
 from pearlbvp.constrained import restricted
 from pearlbvp.stability.bloch import SecondVariation, derivatives
 from pearlbvp.stability.isothermal import Isothermal
+from pearlbvp.stability.spectrum import spectrum
 
 COUNT = 96
 
@@ -65,3 +66,15 @@ def test_both_parities_are_the_parts_of_complex_waves(theta):
     np.testing.assert_allclose(first @ parts, np.concatenate((slope.real[:half], slope.imag[:half])), atol=1e-12)
     whole = derivatives(count, theta, None)[1] @ value
     np.testing.assert_allclose(second @ parts, np.concatenate((whole.real[:half], whole.imag[:half])), atol=1e-11)
+
+
+def test_rates_near_zero_do_not_change_with_more_points(profile):
+    usual, fine = spectrum(profile), spectrum(profile, points=160)
+    assert usual.points < 100 < fine.points
+    assert usual.n_unstable == fine.n_unstable
+    assert usual.rates.keys() == fine.rates.keys()
+    for block, rates in usual.rates.items():
+        slow = np.abs(rates) < 10
+        np.testing.assert_allclose(
+            rates[slow], fine.rates[block][: len(rates)][slow], atol=usual.neutral + fine.neutral
+        )
