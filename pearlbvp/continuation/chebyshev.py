@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.interpolation import interpolate
-from pearlbvp.continuation.path import correct
+from pearlbvp.continuation.path import SAFETY, correct
 from pearlbvp.continuation.problem import P
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.newton import NewtonOptions
@@ -76,20 +76,47 @@ class PathFunctions:
     def first_crossings(self, function: int, levels: Array) -> Array:
         """For each level, shape (K,), the first ``x`` at which a function takes it; not a number where it never does.
 
-        Between its extrema the function is monotone: one bisection, of all levels at once, finds each in the first stretch
+        Between its extrema the function is monotone: one iteration, of all levels at once, finds each in the first stretch
         whose ends lie on both sides of it.
         """
-        pieces = len(self.coefficients)
+        pieces, levels = len(self.coefficients), np.asarray(levels)
         knots = np.unique(np.concatenate((np.arange(pieces + 1.0), self.crossings(function, derivative=1))))
-        above = self(knots)[:, function] - np.asarray(levels)[:, None] > 0
+        above = self(knots)[:, function] - levels[:, None] > 0
         passed = above[:, :-1] != above[:, 1:]
-        stretch = passed.argmax(axis=1)
-        low, high, rising = knots[stretch], knots[stretch + 1], ~above[np.arange(len(levels)), stretch]
+        reached = passed.any(axis=1)
+        found = np.full(len(levels), np.nan)
+        stretch, rising = passed.argmax(axis=1)[reached], ~above[reached, passed.argmax(axis=1)[reached]]
+        found[reached] = self._between(function, levels[reached], knots[stretch], knots[stretch + 1], rising)
+        return found
+
+    def _between(self, function: int, levels: Array, low: Array, high: Array, rising: NDArray[np.bool_]) -> Array:
+        """Where a monotone function takes its levels: Newton's method, by bisection where it leaves what is left."""
+        x, pieces = (low + high) / 2, len(self.coefficients)
         for _ in range(54):
-            middle = (low + high) / 2
-            beyond = (self(middle)[:, function] > levels) == rising
-            low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
-        return np.where(passed.any(axis=1), (low + high) / 2, np.nan)
+            value, slope = self._with_slope(x, function)
+            beyond = (value > levels) == rising
+            low, high = np.where(beyond, low, x), np.where(beyond, x, high)
+            step = (value - levels) / np.where(slope == 0, np.nan, slope)
+            found = (np.abs(step) < STEP * pieces) | (np.abs(value - levels) < ROUNDING * (1 + np.abs(levels)))
+            if found.all():
+                break
+            inside = (low < x - step) & (x - step < high)
+            x = np.where(found, x, np.where(inside, x - step, (low + high) / 2))
+        return np.clip(np.where(np.abs(step) < STEP * pieces, x - step, x), 0.0, pieces)
+
+    def _with_slope(self, x: Array, function: int) -> tuple[Array, Array]:
+        """Values of a function and its derivative at ``x``, shape (K,) each."""
+        piece = np.clip(x.astype(int), 0, len(self.coefficients) - 1)
+        found = np.empty((2, len(x)))
+        for i, c in enumerate(self.coefficients):
+            here, series = piece == i, c[:, function]
+            slope = np.append(chebyshev.chebder(series, scl=2.0), np.zeros(1))
+            found[:, here] = chebyshev.chebval(2 * (x[here] - i) - 1, np.column_stack((series, slope)))
+        return found[0], found[1]
+
+
+STEP, ROUNDING = 1e-9, 4e-16
+"""Step of Newton's method, by the number of pieces, whose square is rounding; rounding of a value by one plus its size."""
 
 
 @cache
@@ -117,7 +144,7 @@ def _resolve_piece(
     direction = ahead - base if pitchfork else end - base
     direction = direction / math.sqrt(problem.inner(direction, direction))
     reach = problem.inner(direction, end - base)
-    options = NewtonOptions(max_iterations=8)
+    options, rate = NewtonOptions(max_iterations=8), 1e4
     known = {problem.inner(direction, v - base): v for v in (problem.transfer(p.problem, p.u) for p in points)}
     samples: dict[int, Array] = {}  # by position among the points of the largest degree
     degree = min(8, max_degree)
@@ -131,7 +158,8 @@ def _resolve_piece(
             if j == 0 and pitchfork:
                 u = base  # the bifurcation point, where the corrector's matrix is singular
             else:
-                result, _ = correct(problem, interpolate(s, known), direction, base, s, options)
+                result, _ = correct(problem, interpolate(s, known), direction, base, s, options, rate)
+                rate = SAFETY * result.rate if result.iterations > 1 else rate
                 if not result.converged:
                     raise Unresolved(f"no solution between two points of the path: {result.message}")
                 u = result.u

@@ -51,10 +51,22 @@ def multipliers(profile: Profile, n: int, mu: float = 0.0) -> NDArray[np.complex
     """
     from scipy.linalg import eigvals  # scipy.linalg costs a sixth of a second to import, and only this needs it
 
-    whole = profile.mirrored()
-    a0, a1 = transfer_pencil(whole.states.scheme, np.diff(whole.states.mesh), jacobi_matrices(whole, n, mu))
+    a0, a1 = transfer_pencil(profile.states.scheme, np.diff(profile.states.mesh), jacobi_matrices(profile, n, mu))
+    if profile.half:
+        a0, a1 = _unfolded(a0, a1)
     rho: NDArray[np.complex128] = eigvals(-a0, a1)
     return rho[np.argsort(np.abs(rho))]
+
+
+def _unfolded(a0: Array, a1: Array) -> tuple[Array, Array]:
+    """The pencil of the whole period from that of its first half.
+
+    The second half is the first seen backwards: ``A_0 y(0) + A_1 y(1/2) = 0`` and ``A_0 R y(1) + A_1 R y(1/2) = 0`` with
+    ``R = diag(1, -1, 1, -1)``. Orthogonal rows that annihilate the factors of ``y(1/2)`` eliminate it without a division.
+    """
+    mirror = np.array([1.0, -1.0, 1.0, -1.0])
+    rows = np.linalg.qr(np.vstack((a1, a1 * mirror)), mode="complete")[0][:, 4:].T
+    return rows[:, :4] @ a0, rows[:, 4:] @ (a0 * mirror)
 
 
 def _half_period_maps(profile: Profile, n: int, mu: float) -> tuple[Array, Array]:

@@ -128,10 +128,10 @@ class PeriodicPearls:
     def _folds(self) -> Array:
         return self.functions.crossings(_V, derivative=1)
 
-    @cached_property
-    def _waves_around(self) -> list[int]:
-        """Indices of the path's points with a neutral wave of ``n = 1`` or 2."""
-        return [i for i, point in enumerate(self.path.points) if _has_wave_around(point)]
+    def _waves_around(self, v_end: float) -> list[Solution[PearlProblem]]:
+        """The path's points before a volume with a neutral wave of ``n = 1`` or 2; onset is none."""
+        before = (point for point in self.path.points[1:] if point.observables["v"] < v_end)
+        return [point for point in before if _has_wave_around(point)]
 
     def losses_of_stability(self, pearls: Sequence[int]) -> Array:
         """Coordinates ``x``, shape (K,), at which pearls on so many periods lose stability to one localized pearl.
@@ -177,15 +177,16 @@ class PeriodicPearls:
         x = self.losses_of_stability(pearls)
         reached = ~np.isnan(x)
         values = np.where(reached[:, None], self.functions(np.where(reached, x, 0.0)), np.nan)
-        return [self._row(*case) for case in zip(pearls, x.tolist(), values, strict=True)]
+        waves = self._waves_around(float(values[:, _V].max(initial=1.0)) if reached.all() else math.inf)
+        return [self._row(*case, waves) for case in zip(pearls, x.tolist(), values, strict=True)]
 
-    def _row(self, pearls: int, x: float, values: Array) -> dict[str, object]:
-        """A row, from where the pearls lose stability (not a number: nowhere) and the functions there."""
+    def _row(self, pearls: int, x: float, values: Array, waves: list[Solution[PearlProblem]]) -> dict[str, object]:
+        """A row, from where the pearls lose stability (not a number: nowhere), the functions there, and ``_waves_around``."""
         nowhere = math.isnan(x)
         if (self._folds < (math.inf if nowhere else x)).any():
             v = float(self.functions(self._folds[:1])[0, _V])
             return _no(f"the pearls lose stability at a fold in v = {v:.6g} before any localized pearl branches off")
-        n = self._wave_around_before(math.inf if nowhere else float(values[_V]), pearls)
+        n = _wave_around_before(waves, math.inf if nowhere else float(values[_V]), pearls)
         if n is not None:
             return _no(f"the pearls lose stability to a wave of n = {n} before any localized pearl branches off")
         if nowhere:
@@ -199,16 +200,16 @@ class PeriodicPearls:
         named["amplitude"] = math.sqrt(max(named["amplitude_squared"], 0.0))
         return {"status": "found", **{name: named[name] for name in COLUMNS[5:10]}, "message": ""}
 
-    def _wave_around_before(self, v_end: float, pearls: int) -> int | None:
-        """The ``n`` of a growing non-axisymmetric wave that fits ``pearls`` periods, at the points of the path before."""
-        for index in self._waves_around:
-            point = self.path.points[index]
-            if index > 0 and point.observables["v"] < v_end:
-                found = spectrum(point.problem.profile(point.u), pearls)
-                unstable = [block.n for block, rates in found.rates.items() if block.n > 0 and rates[0] > found.neutral]
-                if unstable:
-                    return min(unstable)
-        return None
+
+def _wave_around_before(waves: list[Solution[PearlProblem]], v_end: float, pearls: int) -> int | None:
+    """The ``n`` of a growing non-axisymmetric wave that fits ``pearls`` periods, at one of some points before a volume."""
+    for point in waves:
+        if point.observables["v"] < v_end:
+            found = spectrum(point.problem.profile(point.u), pearls)
+            unstable = [block.n for block, rates in found.rates.items() if block.n > 0 and rates[0] > found.neutral]
+            if unstable:
+                return min(unstable)
+    return None
 
 
 def _no(message: str) -> dict[str, object]:

@@ -87,6 +87,9 @@ def test_the_first_of_several_crossings_lies_before_the_first_turn():
     np.testing.assert_allclose(functions(functions.first_crossings(0, levels))[:, 0], levels, atol=1e-12)
     assert (functions(functions.first_crossings(0, levels))[:, 1] > 0).all()  # on the upper half, passed first
     assert all(len(functions.crossings(0, level)) > 1 for level in levels)
+    many = np.concatenate((np.linspace(-0.999, 0.999, 200), [2.0]))  # also beside the turns; the last is nowhere
+    each = [min(functions.crossings(0, level), default=np.nan) for level in many]
+    np.testing.assert_allclose(functions.first_crossings(0, many), each, atol=1e-10)
 
 
 def test_a_kink_between_two_points_is_unresolved():

@@ -90,6 +90,16 @@ def test_half_period_and_whole_period_give_the_same_angle():
     assert np.abs(rho + 1 / rho - by_half).min() < 1e-9
 
 
+@pytest.mark.parametrize("n", [0, 1, 2])
+def test_multipliers_of_a_half_period_are_those_of_the_whole(n):
+    problem, u = pearls.at(pearls.path(0.48, 7.5, 1.03), "v", 1.006)
+    half = problem.profile(u)
+    found, expected = multipliers(half, n), multipliers(half.mirrored(), n)
+    # The double multiplier of translations is known to the square root of rounding only.
+    for rho in expected:
+        assert np.abs(found - rho).min() < (1e-5 if abs(rho - 1) < 1e-3 else 1e-9) * abs(rho)
+
+
 @pytest.mark.parametrize(("c0", "period", "v_end", "v"), PEARLS)
 def test_translations_are_neutral(c0, period, v_end, v):
     problem, u = pearls.at(pearls.path(c0, period, v_end), "v", v)
