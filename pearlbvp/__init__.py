@@ -1,8 +1,8 @@
 """pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability.
 
 An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``flow``,
-``dispersion``, ``amplitude``, ``localized_pearls``, ``pearl_periods``; ``solve_bvp`` and ``continue_bvp`` for one's own
-equations. Each name is imported when it is first asked for.
+``dispersion``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``scan``; ``solve_bvp`` and ``continue_bvp`` for one's
+own equations. Each name is imported when it is first asked for.
 """
 
 import os
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pearlbvp.errors import InputError
     from pearlbvp.front import amplitude, branch, diagram, dispersion, flow, load
     from pearlbvp.helfrich import Tube
+    from pearlbvp.scans.scan import scan
     from pearlbvp.studies.families import register
     from pearlbvp.studies.localized import localized_pearls
     from pearlbvp.studies.period import pearl_periods
@@ -41,6 +42,7 @@ _HOMES = {
     "localized_pearls": "studies.localized:localized_pearls",
     "pearl_periods": "studies.period:pearl_periods",
     "register": "studies.families:register",
+    "scan": "scans.scan:scan",
     "solve_bvp": "bvp:solve_bvp",
 }
 
@@ -60,6 +62,7 @@ __all__ = [
     "localized_pearls",
     "pearl_periods",
     "register",
+    "scan",
     "solve_bvp",
 ]
 

@@ -27,6 +27,7 @@ from pearlbvp.commands.onward import follow, resume, switch, vary
 from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, UNUSABLE
 from pearlbvp.commands.period import period
 from pearlbvp.commands.region import region
+from pearlbvp.commands.scan import scan
 from pearlbvp.commands.show import show
 from pearlbvp.errors import InputError, interrupted
 from pearlbvp.files import shortened
@@ -45,7 +46,7 @@ def cli() -> None:
 
 for command in (
     dispersion, amplitude, amplitude_map, localized, period, region,
-    branch, resume, switch, vary, follow, show, diagram, flow, mesh,
+    branch, resume, switch, vary, follow, show, diagram, flow, mesh, scan,
 ):  # fmt: skip
     cli.add_command(command)
 

@@ -9,6 +9,7 @@ import stat
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import IO
 
 from pearlbvp.errors import InputError
 
@@ -142,6 +143,23 @@ def _is_being_written(path: Path) -> bool:
         except OSError:  # a file system without locks
             return False
     return False
+
+
+def held(path: Path) -> IO[bytes] | None:
+    """A file, made where there is none, that this process holds for itself until it is closed; None if another holds it.
+
+    A process that is killed holds nothing.
+    """
+    file = path.open("ab")
+    if fcntl is not None:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.close()
+            return None
+        except OSError:  # a file system without locks
+            pass
+    return file
 
 
 def write_whole(name: str, path: Path, write: Callable[[Path], object]) -> None:

@@ -53,7 +53,24 @@ def write_table(option: str, path: Path, table: pd.DataFrame) -> None:
     write_whole(option, path, lambda beside: table.to_csv(beside, index=False, float_format="%.12g"))
 
 
-def _print_table(table: pd.DataFrame) -> None:
+def write_frame(option: str, path: Path, table: pd.DataFrame) -> None:
+    """Write a table as CSV or, by the ending, as Parquet, beside its name and renamed.
+
+    Raises:
+        InputError: it cannot be written, or what Parquet needs is not installed.
+    """
+    from pearlbvp.files import write_whole
+
+    if path.suffix.lower() != ".parquet":
+        write_table(option, path, table)
+        return
+    try:
+        write_whole(option, path, lambda beside: table.to_parquet(beside, index=False))
+    except ImportError:
+        raise InputError(f"{option}: Parquet needs pyarrow; install pearlbvp[parquet], or write .csv") from None
+
+
+def print_table(table: pd.DataFrame) -> None:
     """Write a table on standard output."""
     try:
         sys.stdout.write(table.to_csv(index=False, float_format="%.12g"))
@@ -144,7 +161,7 @@ def write(
             figure = draw()
             write_whole("--plot", plot, lambda path: save_figure(figure, path))
 
-    first = (lambda: _print_table(table)) if out is None else (lambda: write_table("--out", out, table))
+    first = (lambda: print_table(table)) if out is None else (lambda: write_table("--out", out, table))
     _all_of((first, *others, draw_and_save))
     failed = 0
     for column in ("status", "localized_status"):

@@ -240,6 +240,19 @@ def check_period(period: float) -> float:
     return period
 
 
+def pearls_on(length: float, period: float) -> int:
+    """How many pearls of a period fill a tube.
+
+    Raises:
+        InputError: no whole number does.
+    """
+    pearls = round(length / period)
+    if pearls < 1 or abs(length - pearls * period) > 1e-9 * length:
+        text = "lengths: {L:g} {L_unit} is no multiple of the period {period:g}; the nearest is {length:.12g}"
+        raise InputError(Sentence(text, L=length, period=period, length=max(pearls, 1) * period))
+    return pearls
+
+
 def onset_status(interval: StableInterval, pearls: int) -> dict[str, object] | None:
     """What keeps pearls from being stable at their onset, given the straight tube's stable interval; or None."""
     if not interval.exists:
@@ -285,10 +298,7 @@ def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[
     tubes = [Tube(c0, length) for length in lengths]
     intervals = stable_intervals(float(c0), np.array([tube.length for tube in tubes]))
     for length, tube, interval in zip(lengths, tubes, intervals, strict=True):
-        pearls = round(tube.length / period)
-        if pearls < 1 or abs(tube.length - pearls * period) > 1e-9 * tube.length:
-            text = "lengths: {L:g} {L_unit} is no multiple of the period {period:g}; the nearest is {length:.12g}"
-            raise InputError(Sentence(text, L=length, period=period, length=max(pearls, 1) * period))
+        pearls = pearls_on(length, period)
         cases.append((tube, pearls, onset_status(interval, pearls)))
     wanted = [pearls for _, pearls, status in cases if status is None and pearls > 1]
     failure, curve = "", None

@@ -1,0 +1,286 @@
+"""``pearlbvp scan``: any question over many tubes, each finished case kept in a store."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from pearlbvp.commands.arguments import File, Number, Numbers
+from pearlbvp.commands.command import Command, as_typed
+from pearlbvp.commands.output import (
+    DONE,
+    INTERRUPTED,
+    PICTURES,
+    SOME_FAILED,
+    check_distinct,
+    check_ending,
+    print_table,
+    radius_option,
+    write_frame,
+)
+from pearlbvp.errors import InputError
+from pearlbvp.messages import say
+from pearlbvp.scans.questions import QUESTIONS, Question
+
+if TYPE_CHECKING:
+    from pearlbvp.scans.store import Store
+    from pearlbvp.units import Units
+
+TABLES = (".csv", ".parquet")
+
+
+class Periods(Numbers):
+    """Numbers, or the word ``critical``."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Parse the text."""
+        return value if value == "critical" else super().convert(value, param, ctx)
+
+
+OPTIONS: Mapping[str, Callable[[Any], Any]] = {
+    "c0": click.option("--c0", type=Numbers(), required=True, help="Spontaneous curvatures."),
+    "L": click.option("--lengths", "L", type=Numbers(), required=True, metavar="NUMBERS", help="Tube lengths."),
+    "period": click.option(
+        "--period", type=Periods(), required=True, metavar="NUMBERS|critical",
+        help="Periods of the pearls, or that of the pearls that each tube loses its stability to.",
+    ),
+    "pearls": click.option("--pearls", type=Numbers(), default="2,3,4,6,8,16", show_default=True, help="On the tube."),
+    "family": click.argument("family"),
+    "mode": click.option("--mode", required=True, metavar="m,n", help="Waves along and around the tube."),
+    "v": click.option("--volumes", "v", type=Numbers(), required=True, metavar="NUMBERS", help="Reduced volumes."),
+}  # fmt: skip
+"""Options by the names of questions' parameters."""
+
+STORE = click.option("--store", type=File(), metavar="FILE.sqlite", required=True,
+                     help="Keeps the cases; made where there is none.")  # fmt: skip
+EXPORTS = (
+    click.option("--plot", type=File(), metavar="FILE.png", help="Draw a picture of what is finished."),
+    click.option("--export", "--out", type=File(), metavar="FILE.csv|.parquet",
+                 help="Write the table of what is finished, in the order of the cases."),
+)  # fmt: skip
+ENGINES = (
+    click.option("--seconds", type=Number(), help="That a continuation may take.  [default: as long as it needs]"),
+    click.option("--scheduler", metavar="tcp://HOST:PORT", help="Compute on a Dask cluster."),
+    click.option("--workers", metavar="N|dask:N", help="Processes on this machine.  [default: one a core]"),
+)
+
+
+def decorated(command: Any, *decorators: Any) -> Any:
+    """A command with options, the last first."""
+    for decorate in decorators:
+        command = decorate(command)
+    return command
+
+
+class Scan(click.Group):
+    """The group of all questions; alone, it looks at a store."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a question's command, or the group's own, in the words of the command line."""
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            raise InputError(as_typed(str(error), self.params)) from None
+
+
+def look(
+    context: click.Context,
+    store: Path | None,
+    status: bool,
+    retry: str | None,
+    export: Path | None,
+    plot: Path | None,
+    question: str | None,
+    workers: str | None,
+    scheduler: str | None,
+    seconds: float | None,
+    units: Units,
+) -> int | None:
+    """Ask one question of many tubes, on all cores or a cluster, and keep each finished case.
+
+    Interrupt it, even by a power cut, and run the same again: it goes on. Other values of the parameters are added
+    to those that are there. Without a question it looks at a store, also while a scan is at work on it.
+    """
+    if context.invoked_subcommand is not None:
+        return None
+    if store is None:
+        raise InputError("--store: give the file of a scan, or a question to ask; see --help")
+    from pearlbvp.scans.store import Store
+
+    checked(export, plot)
+    with Store(store, writing=retry is not None, name="--store") as kept:
+        asked = _question(kept, question)
+        result = DONE
+        if retry is not None:
+            from pearlbvp.scans.scan import engine_of, scanned
+
+            engine, count = engine_of(workers, scheduler)
+            cases = kept.retry(asked.name, asked.settings)
+            result = _interruptible(
+                lambda: scanned(asked, cases, kept, engine, workers=count, seconds=seconds), len(cases)
+            )
+        if status or not (export or plot or retry):
+            _say_status(kept, asked)
+        return max(result, _written(asked, kept, None, export, plot, units, shown=False))
+
+
+def _question(store: Store, name: str | None) -> Question:
+    """The question that a store has cases of."""
+    from pearlbvp.scans.questions import question_named
+
+    names = store.questions()
+    if not names:
+        raise InputError(f"--store: {store.path} holds no cases yet")
+    if name is None and len(names) > 1:
+        raise InputError(f"--question: the store holds {', '.join(names)}; say which")
+    if name is not None and name not in names:
+        raise InputError(f"--question: the store holds no {name}, but {', '.join(names)}")
+    return question_named(name or names[0])
+
+
+def _say_status(store: Store, question: Question) -> None:
+    """Print how far a scan is."""
+    found = store.progress(question.name, question.settings)
+    counts = ", ".join(f"{count} {name}" for name, count in found.counts.items() if count)
+    click.echo(f"{question.name}: {counts or 'no cases of this version'}")
+    if found.running:
+        left = "" if found.seconds_left is None else f"; about {_duration(found.seconds_left)} left"
+        click.echo(f"a scan is at work{left}")
+    if found.others:
+        click.echo(f"{found.others} cases of other versions of the package are left out")
+    for case, message in found.failures:
+        values = ", ".join(
+            f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}"
+            for name, value in zip(question.parameters, case.parameters, strict=True)
+        )
+        click.echo(f"failed: {values}: {message}")
+
+
+def _duration(seconds: float) -> str:
+    minutes, hours = seconds / 60, seconds / 3600
+    return f"{seconds:.0f} s" if minutes < 2 else f"{minutes:.0f} min" if hours < 2 else f"{hours:.1f} h"
+
+
+def checked(export: Path | None, plot: Path | None) -> None:
+    """Refuse files that cannot be written before anything is computed."""
+    from pearlbvp.files import writable
+
+    if export is not None and str(export) != "-":
+        check_ending("--export", export, TABLES)
+        writable("--export", export)
+    check_ending("--plot", plot, PICTURES)
+    if plot is not None:
+        writable("--plot", plot)
+    check_distinct({"--export": export, "--plot": plot})
+
+
+def _interruptible(work: Callable[[], object], total: int) -> int:
+    """Do it, and say what an interruption leaves; the exit status."""
+    try:
+        work()
+    except KeyboardInterrupt:
+        say(f"interrupted: what is finished of {total} cases is kept; run the same again to go on", begin="")
+        return INTERRUPTED
+    return DONE
+
+
+def _written(
+    question: Question,
+    store: Store,
+    cases: Any,
+    export: Path | None,
+    plot: Path | None,
+    units: Units,
+    *,
+    shown: bool,
+) -> int:
+    """Write the table and the picture of what is finished; the exit status says whether cases failed."""
+    from pearlbvp.scans.scan import table_of
+
+    if not (shown or export or plot):
+        return DONE
+    table = units.columns(table_of(question, store, cases))
+    if export is not None and str(export) != "-":
+        write_frame("--export", export, table)
+    elif shown or export is not None:
+        print_table(table)
+    if plot is not None:
+        from pearlbvp.figures.canvas import save_figure
+        from pearlbvp.figures.scan import draw_scan
+        from pearlbvp.files import write_whole
+
+        figure = draw_scan(table, question.parameters, question.drawn, units)
+        write_whole("--plot", plot, lambda path: save_figure(figure, path))
+    failed = int((table["status"] == "failed").sum())
+    if failed:
+        say(f"{failed} of {len(table)} rows failed; the message column says why")
+    return SOME_FAILED if failed else DONE
+
+
+def _ask(question: Question) -> click.Command:
+    """The command of a question."""
+
+    def ask(
+        store: Path,
+        export: Path | None,
+        plot: Path | None,
+        units: Units,
+        workers: str | None,
+        scheduler: str | None,
+        seconds: float | None,
+        **parameters: Any,
+    ) -> int:
+        from pearlbvp.scans.scan import cases_of, engine_of, scanned
+        from pearlbvp.scans.store import Store
+
+        checked(export, plot)
+        for name in parameters:
+            if name in ("c0", "L", "period") and parameters[name] != "critical":
+                parameters[name] = [units.from_user(name, value) for value in parameters[name]]
+        if "family" in parameters:
+            parameters["mode"] = parameters["mode"].replace(",", ":")
+        cases = cases_of(question, parameters)
+        engine, count = engine_of(workers, scheduler)
+        with Store(store, writing=True, name="--store") as kept:
+            left = kept.ask(cases, question.settings)
+
+            def work() -> None:
+                scanned(question, left, kept, engine, workers=count, seconds=seconds, total=len(cases))
+
+            status = _interruptible(work, len(cases))
+            return max(status, _written(question, kept, cases, export, plot, units, shown=True))
+
+    ask.__doc__ = f"{question.says}\n\n    Columns: {', '.join(question.columns)}."
+    command = decorated(ask, radius_option, *EXPORTS, *ENGINES, STORE,
+                        *(OPTIONS[name] for name in reversed(question.parameters)))  # fmt: skip
+    example = f"Example:  pearlbvp scan {question.example}"
+    made: click.Command = click.command(question.name, cls=Command, epilog=example)(command)
+    return made
+
+
+scan: click.Group = click.group(
+    "scan",
+    cls=Scan,
+    invoke_without_command=True,
+    epilog="Examples:  pearlbvp scan localized --c0 0.26:0.49:0.01 --period critical --lengths 15:300:7.5 "
+    "--store scan.sqlite --workers 8  |  pearlbvp scan --store scan.sqlite --export scan.csv --plot scan.png  |  "
+    "pearlbvp scan --store scan.sqlite --retry failed",
+)(
+    decorated(
+        click.pass_context(look),
+        radius_option,
+        *EXPORTS,
+        *ENGINES,
+        click.option("--question", metavar="NAME", help="Which of those that the store holds."),
+        click.option("--retry", type=click.Choice(["failed"]), help="Compute those again that failed."),
+        click.option(
+            "--status", is_flag=True, help="How many cases are done, why others failed, how long the rest takes."
+        ),
+        click.option("--store", type=File(), metavar="FILE.sqlite", help="Of the scan."),
+    )
+)
+for _question_asked in QUESTIONS.values():
+    scan.add_command(_ask(_question_asked))

@@ -1,0 +1,49 @@
+"""Picture of a scan: a column over the parameter that has most values, a curve for each value of the others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+from matplotlib import colormaps
+from matplotlib.figure import Figure
+
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
+from pearlbvp.units import RADII, WORDS, Units
+
+MOST_NAMED = 8
+"""Curves that get a line each in the legend; of more, every so many."""
+
+
+@own_style()
+def draw_scan(table: pd.DataFrame, parameters: Sequence[str], drawn: str, units: Units = RADII) -> Figure:
+    """What is finished of a scan.
+
+    Args:
+        table: its rows.
+        parameters: of its question.
+        drawn: the column that is drawn.
+        units: of the table.
+    """
+    figure, axes = new_figure()
+    varying = [name for name in parameters if name in table and table[name].nunique() > 1] or [parameters[0]]
+    numbers = [name for name in varying if pd.api.types.is_numeric_dtype(table[name])] or [parameters[0]]
+    along = max(numbers, key=lambda name: len(set(table[name])))
+    others = [name for name in varying if name != along]
+    curves = list(table.groupby(others, sort=True)) if others else [((), table)]
+    every = -(-len(curves) // MOST_NAMED)
+    for i, (values, rows) in enumerate(curves):
+        colour = COLOURS[i] if len(curves) <= min(MOST_NAMED, len(COLOURS)) else colormaps["viridis"](i / len(curves))
+        named = ", ".join(f"{name} = {_short(value)}" for name, value in zip(others, values, strict=True))
+        shown = rows.dropna(subset=[drawn]).sort_values(along)
+        label = named if i % every == 0 and named else None
+        axes.plot(shown[along], shown[drawn].astype(float), ".-", color=colour, markersize=3, linewidth=1, label=label)
+    dress(axes, *(units.axis_label(name, WORDS.get(name, name)) for name in (along, drawn)))
+    note_unit(figure, units)
+    if others and len(table):
+        add_legend(axes, fontsize="small")
+    return figure
+
+
+def _short(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

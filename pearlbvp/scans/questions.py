@@ -1,0 +1,235 @@
+"""The questions that can be scanned: for each its parameters, its columns, and the pure function that answers cases.
+
+A question more is an entry here: the store, the engines, the command line and the exports know it then.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from pearlbvp.errors import InputError
+from pearlbvp.scans.case import Case, Row, Value
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+CRITICAL = "critical"
+"""The period of the pearls that the straight tube of a length loses stability to, instead of a number."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What can be asked of many tubes.
+
+    Attributes:
+        name: as the command line has it.
+        parameters: of a case, in the order by which tables are sorted; ``c0, L, period, ...`` in radii.
+        columns: of its table.
+        rows: the rows of each of several cases that belong together; pure.
+        together: cases with equal answers are answered by one continuation.
+        integers: columns of whole numbers.
+        settings: tolerances that its numbers depend on: other ones are other cases.
+        check: refuses a case that no tube has.
+        drawn: the column that pictures show.
+        says: what is asked, in a sentence.
+        example: of its command line.
+    """
+
+    name: str
+    parameters: tuple[str, ...]
+    columns: tuple[str, ...]
+    rows: Callable[[Sequence[Case]], list[Sequence[Row]]]
+    together: Callable[[Case], tuple[Value, ...]] = lambda case: case.parameters
+    integers: tuple[str, ...] = ()
+    settings: Mapping[str, Value] = field(default_factory=dict)
+    check: Callable[[Case], object] = lambda case: None
+    drawn: str = "v"
+    says: str = ""
+    example: str = ""
+
+
+def _each(row: Callable[..., Row | Sequence[Row]]) -> Callable[[Sequence[Case]], list[Sequence[Row]]]:
+    """Answers of a function of one case's parameters."""
+
+    def rows(cases: Sequence[Case]) -> list[Sequence[Row]]:
+        found = [row(*case.parameters) for case in cases]
+        return [[one] if isinstance(one, Mapping) else one for one in found]
+
+    return rows
+
+
+def _records(table: pd.DataFrame) -> list[Row]:
+    return [dict(zip(map(str, table.columns), row, strict=True)) for row in table.itertuples(index=False, name=None)]
+
+
+def _dispersion(c0: float, length: float) -> list[Row]:
+    from pearlbvp.studies.dispersion import branch_points
+
+    return [{"c0": c0, "L": length, **row} for row in _records(branch_points(c0, length))]
+
+
+def _localized(cases: Sequence[Case]) -> list[Sequence[Row]]:
+    """Tables of localized pearls: all lengths of one period by one continuation."""
+    from pearlbvp.studies.localized import localized_rows
+
+    _, c0, period, _ = _parameters(cases[0])
+    if period != CRITICAL:
+        return [[row] for row in localized_rows(c0, period, [float(case.parameters[2]) for case in cases])]
+    return [[_at_critical_period(c0, float(case.parameters[2]))] for case in cases]
+
+
+def _check_localized(case: Case) -> None:
+    from pearlbvp.studies.localized import check_period, pearls_on
+
+    _, period, length = case.parameters
+    if period != CRITICAL:
+        pearls_on(float(length), check_period(float(period)))
+
+
+def _parameters(case: Case) -> tuple[Any, ...]:
+    return (case.question, *case.parameters)
+
+
+def _at_critical_period(c0: float, length: float) -> Row:
+    from pearlbvp.helfrich import Tube
+    from pearlbvp.studies.localized import localized_rows, onset_status
+    from pearlbvp.theory.dispersion import stable_interval
+
+    interval = stable_interval(Tube(c0, length))
+    if interval.exists and interval.lower_mode is not None:
+        return localized_rows(c0, length / interval.lower_mode[0], [length])[0]
+    nothing = "no pearls with k < 1 fit a tube of this length: nothing ends its stable interval from below"
+    status = onset_status(interval, 0) or {}
+    row = {"c0": c0, "period": math.nan, "L": length}
+    return row | (status if not interval.exists else {"status": "none_in_range", "message": nothing})
+
+
+def _period(c0: float, length: float) -> Row:
+    from pearlbvp.studies.period import pearl_period
+
+    return pearl_period(c0, length)
+
+
+def _region(cases: Sequence[Case]) -> list[Sequence[Row]]:
+    from pearlbvp.studies.localized import localized_rows
+
+    _, c0, period, _ = _parameters(cases[0])
+    return [[row] for row in localized_rows(c0, period, [int(case.parameters[2]) * period for case in cases])]
+
+
+def _amplitude_map(c0: float, length: float) -> Row:
+    from pearlbvp.studies.amplitude import instability_map
+
+    return _records(instability_map(c0, length, progress=False))[0]
+
+
+def _waves(mode: str) -> tuple[int, int]:
+    """Waves along and around, from a case's ``m:n``."""
+    along, _, around = mode.partition(":")
+    if not (along.isdigit() and around.isdigit()):
+        raise InputError(f"mode: {mode.replace(':', ',')!r} is no mode; give waves along and around, like 1,1")
+    return int(along), int(around)
+
+
+def _check_branch(case: Case) -> None:
+    from pearlbvp.studies.families import family
+
+    family(str(case.parameters[2]))
+    _waves(str(case.parameters[3]))
+
+
+def _branch(cases: Sequence[Case]) -> list[Sequence[Row]]:
+    """Rows of a branch at given volumes: one continuation from the cylinder outwards for each side of v = 1."""
+    from pearlbvp.helfrich import Tube
+    from pearlbvp.studies.branch import branch_options, family_branch
+    from pearlbvp.studies.onward import resumed
+
+    c0, length, family, mode, _ = cases[0].parameters
+    tube = Tube(float(c0), float(length))
+    rows: dict[float, Row] = {}
+    branch = None
+    for v in sorted({float(case.parameters[4]) for case in cases}, key=lambda v: abs(v - 1)):
+        options = branch_options({"v": v})
+        if branch is None:
+            branch = family_branch(tube, str(family), _waves(str(mode)), options)
+        elif branch.complete:
+            branch = resumed(branch, options)
+        here = {"c0": c0, "L": length, "family": family, "mode": mode, "v": v}
+        if abs(branch.points[-1].observables["v"] - v) < 1e-9:
+            values = _records(branch.table().tail(1))[0]
+            rows[v] = {**values, **here, "status": "found", "message": ""}
+        else:
+            rows[v] = {**here, "status": "none_in_range", "message": f"the branch does not reach it: {branch.reason}"}
+    return [[rows[float(case.parameters[4])]] for case in cases]
+
+
+def _side(case: Case) -> tuple[Value, ...]:
+    return (*case.parameters[:4], float(case.parameters[4]) > 1)
+
+
+LOCALIZED = ("c0", "period", "L", "pearls", "status", "lambda1", "lambda2", "v", "E", "amplitude", "message")
+
+QUESTIONS: Mapping[str, Question] = {
+    question.name: question
+    for question in (
+        Question(
+            "dispersion", ("c0", "L"),
+            ("c0", "L", "m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role", "status", "message"),
+            _each(_dispersion), integers=("m", "n", "kernel"), drawn="lambda2",
+            says="The branch points of the straight tube.",
+            example="dispersion --c0 0.3,0.48 --lengths 10:40:0.5 --store d.sqlite",
+        ),
+        Question(
+            "localized", ("c0", "period", "L"), LOCALIZED, _localized,
+            lambda case: case.parameters if case.parameters[1] == CRITICAL else case.parameters[:2],
+            integers=("pearls",), check=_check_localized,
+            says="Where pearls of a period give way to one localized pearl.",
+            example="localized --c0 0.26:0.49:0.01 --period critical --lengths 15:300:7.5 --store l.sqlite",
+        ),
+        Question(
+            "period", ("c0", "L"),
+            ("c0", "L", "pearls", "period", "k", "status", "lambda2_pearl", "lambda2_upper", "upper_mode", "v_localized",
+             "localized_status", "message"),
+            _each(_period), integers=("pearls",), drawn="period",
+            says="The pearl period that appears on a tube, its stable range, and where a localized pearl takes over.",
+            example="period --c0 0.3,0.48 --lengths 7.5:120:0.5 --store p.sqlite",
+        ),
+        Question(
+            "region", ("c0", "period", "pearls"), LOCALIZED, _region, lambda case: case.parameters[:2],
+            integers=("pearls",),
+            says="In which part of the plane of period and volume pearls are stable.",
+            example="region --c0 0.3:0.48:0.02 --period 6.6:10:0.1 --store r.sqlite",
+        ),
+        Question(
+            "amplitude-map", ("c0", "L"),
+            ("c0", "L", "lower_mode", "lower_lambda2", "lower_criticality", "upper_mode", "upper_lambda2", "upper_type",
+             "upper_criticality", "stable", "status", "message"),
+            _each(_amplitude_map), drawn="upper_lambda2",
+            says="Which mode destabilizes the straight tube at either end of its stable interval.",
+            example="amplitude-map --c0=-1:0.48:0.02 --lengths 6:40:1 --store a.sqlite",
+        ),
+        Question(
+            "branch", ("c0", "L", "family", "mode", "v"),
+            ("c0", "L", "family", "mode", "v", "status", "lambda1", "lambda2", "E", "amplitude", "r_min", "r_max",
+             "n_unstable", "mu_crit", "message"),
+            _branch, _side, integers=("n_unstable",), check=_check_branch, drawn="lambda2",
+            says="A branch from the straight tube, at given volumes.",
+            example="branch coil --mode 1,1 --c0 0:0.48:0.04 --lengths 8:16:1 --volumes 0.9,0.95 --store b.sqlite",
+        ),
+    )
+}  # fmt: skip
+"""By name."""
+
+
+def question_named(name: str) -> Question:
+    """The question of a name.
+
+    Raises:
+        InputError: there is none.
+    """
+    if name not in QUESTIONS:
+        raise InputError(f"question: {name!r} cannot be scanned; choose one of {', '.join(QUESTIONS)}")
+    return QUESTIONS[name]

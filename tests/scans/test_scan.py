@@ -1,0 +1,271 @@
+"""Scans: answers are those of the studies, nothing finished is lost or done twice, and what cannot be done is a row."""
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+
+import pandas as pd
+import pytest
+from support.commands import run
+
+import pearlbvp as pb
+from pearlbvp.errors import InputError
+from pearlbvp.scans import run as runs
+from pearlbvp.scans.case import Case, Outcome
+from pearlbvp.scans.engines import Here, TimedOut, dask, given, local, within
+from pearlbvp.scans.questions import QUESTIONS, Question
+from pearlbvp.scans.scan import cases_of, scan, scanned, table_of
+from pearlbvp.scans.store import Store
+from pearlbvp.studies.localized import localized_pearls
+from pearlbvp.studies.region import stability_region
+
+DISPERSION = QUESTIONS["dispersion"]
+
+
+def test_rows_are_those_of_the_studies(tmp_path):
+    lengths = [15, 22.5, 30]
+    found = scan("localized", tmp_path / "s.sqlite", c0=0.48, period=7.5, L=lengths, workers=1)
+    pd.testing.assert_frame_equal(found, localized_pearls(0.48, 7.5, lengths), check_dtype=False)
+    found = scan("region", tmp_path / "s.sqlite", c0=0.48, period=[7.5, 8], pearls=[2, 3], workers=1)
+    pd.testing.assert_frame_equal(found, stability_region(0.48, [7.5, 8], [2, 3]), check_dtype=False)
+    found = scan("dispersion", tmp_path / "s.sqlite", c0=[0.3], L=[10], workers=1)
+    assert found["lambda2"].tolist() == pb.dispersion(pb.Tube(0.3, 10))["lambda2"].tolist()
+
+
+def test_a_branch_is_asked_at_volumes_on_either_side(tmp_path):
+    volumes = [0.97, 0.99, 1.01]
+    found = scan("branch", tmp_path / "s.sqlite", c0=0.0, L=10, family="coil", mode="1:1", v=volumes, workers=1)
+    assert found["v"].tolist() == volumes
+    assert found["status"].tolist() == ["found", "found", "none_in_range"]
+    alone = pb.branch(pb.Tube(0.0, 10), "coil", (1, 1), until={"v": 0.97})[-1]
+    assert found["lambda2"][0] == pytest.approx(alone.observables["lambda2"], abs=1e-8)
+
+
+def test_pearls_of_the_critical_period_are_those_that_the_tube_loses_its_stability_to(tmp_path):
+    found = scan("localized", tmp_path / "s.sqlite", c0=0.48, period="critical", L=[5, 16, 30], workers=1)
+    expected = pb.pearl_periods(0.48, [5, 16, 30], processes=1)
+    assert found["v"].tolist()[1:] == expected["v_localized"].tolist()[1:]
+    assert found["status"].tolist() == expected["localized_status"].tolist()
+
+
+class Counting(Here):
+    """An executor that knows what it was asked."""
+
+    def __init__(self):
+        self.units = []
+
+    def submit(self, fn, /, unit, *rest):
+        self.units.append(unit)
+        return super().submit(fn, unit, *rest)
+
+
+def test_what_is_finished_is_not_done_again_and_other_cases_are_added(tmp_path):
+    first, second = Counting(), Counting()
+    scan("dispersion", tmp_path / "s.sqlite", c0=[0.3], L="10:14:1", executor=first)
+    both = scan("dispersion", tmp_path / "s.sqlite", c0=[0.3], L="10:16:1", executor=second)
+    assert (len(first.units), len(second.units)) == (5, 2)
+    assert [unit[0].parameters[1] for unit in first.units] == [10, 14, 12, 11, 13]
+    assert both["L"].unique().tolist() == [10, 11, 12, 13, 14, 15, 16]
+
+
+def test_an_interrupted_scan_keeps_what_is_finished(tmp_path):
+    class Interrupted(Counting):
+        def submit(self, fn, /, unit, *rest):
+            if len(self.units) == 3:
+                raise KeyboardInterrupt
+            return super().submit(fn, unit, *rest)
+
+    with pytest.raises(KeyboardInterrupt):
+        scan("dispersion", tmp_path / "s.sqlite", c0=[0.3], L="10:16:1", executor=Interrupted())
+    with Store(tmp_path / "s.sqlite") as kept:
+        progress = kept.progress("dispersion", {})
+        assert (progress.running, sum(progress.counts.values())) == (False, 7)
+        assert progress.counts["done"] in (2, 3)
+
+
+SCAN = """
+import sys
+from pearlbvp.scans.scan import scan
+scan("dispersion", sys.argv[1], c0="0.3,0.48", L="10:25:0.25", workers=int(sys.argv[2]), progress=False)
+"""
+
+
+def test_a_killed_scan_goes_on_with_nothing_lost_and_the_same_table(tmp_path):
+    """Killed with its workers at several moments; every outcome that was in the store stays as it was."""
+    whole = scan("dispersion", tmp_path / "w.sqlite", c0="0.3,0.48", L="10:25:0.25", workers=1)
+    path, known = tmp_path / "k.sqlite", {}
+    for delay in (0.05, 0.3, 0.6):
+        work = subprocess.Popen([sys.executable, "-c", SCAN, path, "1"], start_new_session=True)
+        while not path.exists() and work.poll() is None:
+            time.sleep(0.005)
+        time.sleep(delay)
+        os.killpg(work.pid, signal.SIGKILL)
+        work.wait()
+        with Store(path, writing=True) as kept:
+            now = {case: found for case, found in kept.outcomes("dispersion", {})}
+            assert {case: now.get(case) for case in known} == known
+            known = now
+    again = scan("dispersion", path, c0="0.3,0.48", L="10:25:0.25", workers=1)
+    assert again.to_csv() == whole.to_csv()
+
+
+def _kill_or_answer(cases):
+    if cases[0].parameters[0] == 3.0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return [[{"c0": case.parameters[0], "v": 1.0}] for case in cases]
+
+
+def _fail_or_answer(cases):
+    if any(case.parameters[0] == 3.0 for case in cases):
+        raise ValueError("three is too much")
+    return [[{"c0": case.parameters[0], "v": 1.0}] for case in cases]
+
+
+def _take_long(cases):
+    until = time.monotonic() + (60 if cases[0].parameters[0] == 3.0 else 0)
+    while time.monotonic() < until:
+        pass
+    return [[{"c0": case.parameters[0], "v": 1.0}] for case in cases]
+
+
+def _asked(monkeypatch, tmp_path, rows, engine, **how):
+    """The table of seven cases of a question that is answered by ``rows``."""
+    question = Question("trial", ("c0",), ("c0", "status", "v", "message"), rows)
+    monkeypatch.setitem(QUESTIONS, "trial", question)
+    cases = cases_of(question, {"c0": "0:6:1"})
+    with Store(tmp_path / "s.sqlite", writing=True) as kept:
+        scanned(question, kept.ask(cases, {}), kept, engine, workers=2, progress=False, **how)
+        return table_of(question, kept)
+
+
+def _one_failed(table, said):
+    assert table["c0"].tolist() == list(range(7))
+    assert table["status"].isna().tolist() == [True, True, True, False, True, True, True]
+    assert said in table["message"][3]
+
+
+def test_a_case_that_raises_is_a_row_and_the_scan_goes_on(monkeypatch, tmp_path):
+    _one_failed(_asked(monkeypatch, tmp_path, _fail_or_answer, local(1)), "three is too much")
+
+
+def test_a_case_that_takes_too_long_is_a_row_and_the_scan_goes_on(monkeypatch, tmp_path):
+    _one_failed(_asked(monkeypatch, tmp_path, _take_long, local(1), seconds=0.2), "longer than 0.2 s")
+
+
+class Fragile(Executor):
+    """An executor whose worker dies of one case and takes what is in work with it."""
+
+    def __init__(self):
+        self.inside, self.broken = ThreadPoolExecutor(1), False
+
+    def submit(self, fn, /, unit, *rest):
+        if self.broken:
+            raise BrokenProcessPool("a worker died")
+        if unit[0].parameters[0] == 3.0:
+            self.broken = True
+        future = self.inside.submit(fn, unit, *rest) if not self.broken else self.inside.submit(_die)
+        return future
+
+
+def _die():
+    raise BrokenProcessPool("a worker died")
+
+
+def test_the_case_that_kills_its_worker_is_found_and_the_others_are_done(monkeypatch, tmp_path):
+    def engine():
+        return given(Fragile())()
+
+    table = _asked(monkeypatch, tmp_path, _fail_or_answer, engine)
+    _one_failed(table, "its worker process died")
+
+
+def test_failed_cases_are_done_again_when_that_is_asked(monkeypatch, tmp_path):
+    _asked(monkeypatch, tmp_path, _fail_or_answer, local(1))
+    question = Question("trial", ("c0",), ("c0", "status", "v", "message"), _take_long)
+    monkeypatch.setitem(QUESTIONS, "trial", question)
+    with Store(tmp_path / "s.sqlite", writing=True) as kept:
+        assert kept.progress("trial", {}).counts == {"done": 6, "failed": 1, "waiting": 0}
+        failed = kept.retry("trial", {})
+        assert [case.parameters for case in failed] == [(3.0,)]
+        kept.put({failed[0]: Outcome(({"c0": 3.0, "v": 2.0},))}, {})
+        assert table_of(question, kept)["v"].tolist() == [1, 1, 1, 2, 1, 1, 1]
+
+
+def test_time_is_up_in_any_thread():
+    with ThreadPoolExecutor(1) as pool, pytest.raises(TimedOut):
+        pool.submit(within, 0.1, _take_long, [Case("trial", (3.0,))]).result()
+    assert within(5, lambda: 3) == 3
+
+
+def test_two_scans_do_not_write_one_store_but_another_may_look(tmp_path):
+    path = tmp_path / "s.sqlite"
+    with Store(path, writing=True) as kept:
+        kept.ask([Case("dispersion", (0.3, 10.0))], {})
+        with pytest.raises(InputError, match="a scan is at work"):
+            Store(path, writing=True)
+        with Store(path) as looked:
+            assert looked.progress("dispersion", {}).counts["waiting"] == 1
+            assert looked.running
+    with Store(path) as looked:
+        assert not looked.running
+
+
+def test_files_that_are_no_stores_are_refused(tmp_path):
+    (tmp_path / "text").write_text("c0,L\n" * 1000)
+    other = sqlite3.connect(tmp_path / "other.sqlite")
+    other.execute("CREATE TABLE cases (name TEXT)")
+    other.commit()
+    other.close()
+    whole = tmp_path / "whole.sqlite"
+    scan("dispersion", whole, c0=[0.3], L="10:30:1", workers=1)
+    content = whole.read_bytes()
+    (tmp_path / "cut").write_bytes(content[: len(content) // 2])
+    for name in ("text", "other.sqlite", "cut", "none", "folder/none"):
+        for writing in (False, True):
+            if (name, writing) == ("none", True):
+                continue
+            with pytest.raises(InputError, match="store: "), Store(tmp_path / name, writing=writing) as kept:
+                kept.outcomes("dispersion", {})
+
+
+def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
+    pytest.importorskip("distributed")
+    from pearlbvp.scans import engines
+
+    monkeypatch.setattr(engines, "PATIENCE", 0.5)
+    with pytest.raises(InputError, match="scheduler: tcp://127.0.0.1:9 does not answer"), dask("tcp://127.0.0.1:9")():
+        pass
+
+
+def test_units_are_answered_case_by_case_where_the_whole_fails(monkeypatch):
+    question = Question("trial", ("c0",), ("c0", "status", "v", "message"), _fail_or_answer)
+    monkeypatch.setitem(QUESTIONS, "trial", question)
+    outcomes = runs.answer(tuple(Case("trial", (float(i),)) for i in range(5)))
+    assert [outcome.status for outcome in outcomes] == ["done", "done", "done", "failed", "done"]
+
+
+def test_a_cluster_gives_the_same_bytes_as_one_process(tmp_path):
+    def exported(name, **engine):
+        tables = [
+            scan("dispersion", tmp_path / name, c0=[0.3, 0.48], L="10:20:1", **engine),
+            scan("localized", tmp_path / name, c0=[0.48], period=[7.5], L=[15, 30], **engine),
+        ]
+        paths = [tmp_path / f"{name}{i}.csv" for i in range(2)]
+        for table, path in zip(tables, paths, strict=True):
+            table.to_csv(path)
+        return [path.read_bytes() for path in paths]
+
+    assert exported("dask", workers="dask:2") == exported("one", workers=1)
+
+
+def test_tables_are_read_back_from_parquet(tmp_path, capsys):
+    store, table = tmp_path / "s.sqlite", tmp_path / "t.parquet"
+    question = ["--c0", "0.48", "--period", "7.5", "--lengths", "15,30"]
+    assert run(capsys, "scan", "localized", *question, "--store", store, "--workers", "1", "--out", table)[0] == 0
+    expected = localized_pearls(0.48, 7.5, [15, 30])
+    pd.testing.assert_frame_equal(pd.read_parquet(table), expected, check_dtype=False)

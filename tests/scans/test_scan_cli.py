@@ -1,0 +1,72 @@
+"""``pearlbvp scan``: tables, pictures, how far it is, and mistakes."""
+
+import pandas as pd
+import pytest
+from support.commands import is_png, run
+
+ONE = ["--workers", "1"]
+
+
+@pytest.fixture
+def store(capsys, tmp_path):
+    path = tmp_path / "s.sqlite"
+    status, out, err = run(
+        capsys, "scan", "region", "--c0", "0.48", "--period", "7.5,8", "--pearls", "2,3", "--store", path, *ONE
+    )
+    assert (status, err, len(out.splitlines())) == (0, "", 5)
+    return path
+
+
+def test_a_store_tells_how_far_it_is_and_writes_what_there_is(capsys, tmp_path, store):
+    assert run(capsys, "scan", "--store", store)[:2] == (0, "region: 4 done\n")
+    table, picture = tmp_path / "t.csv", tmp_path / "t.png"
+    assert run(capsys, "scan", "--store", store, "--export", table, "--plot", picture) == (0, "", "")
+    assert pd.read_csv(table)["pearls"].tolist() == [2, 3, 2, 3]
+    assert is_png(picture)
+
+
+def test_lengths_are_in_the_user_s_unit(capsys, tmp_path, store):
+    found = []
+    for radius in ("1", "50"):
+        name = tmp_path / f"{radius}.csv"
+        assert run(capsys, "scan", "--store", store, "--radius", radius, "--export", name)[0] == 0
+        found.append(pd.read_csv(name))
+    assert found[1]["period"].tolist() == pytest.approx(50 * found[0]["period"])
+    assert found[1]["lambda2"].tolist() == pytest.approx(found[0]["lambda2"] / 50**3)
+    assert found[1]["v"].tolist() == found[0]["v"].tolist()
+
+
+def test_cases_that_fail_are_said_and_done_again(capsys, tmp_path):
+    """A millisecond is too short for a continuation; without the limit it is found."""
+    store = tmp_path / "s.sqlite"
+    question = ["localized", "--c0", "0.48", "--period", "7.5", "--lengths", "15", "--store", store, *ONE]
+    status, out, err = run(capsys, "scan", *question, "--seconds", "0.001")
+    assert (status, "longer than 0.001 s" in out, err.count("\n")) == (1, True, 1)
+    assert "failed: c0 = 0.48, period = 7.5, L = 15: it took longer" in run(capsys, "scan", "--store", store)[1]
+    assert run(capsys, "scan", *question)[0] == 1  # what failed is finished until it is asked for again
+    assert run(capsys, "scan", "--store", store, "--retry", "failed", *ONE)[0] == 0
+    assert ",found," in run(capsys, "scan", *question)[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([], "--store: give the file of a scan"),
+        (["--store", "none.sqlite"], "--store: there is no file none.sqlite"),
+        (["dispersion", "--c0", "0", "--lengths", "10"], "--store"),
+        (["dispersion", "--c0", "0", "--lengths", "10", "--store", "s", "--workers", "many"], "--workers: 'many' is no number"),
+        (["dispersion", "--c0", "0", "--lengths", "-1", "--store", "s"], "--lengths: "),
+        (["localized", "--c0", "0", "--period", "8", "--lengths", "30", "--store", "s"], "--lengths: 30 radii is no multiple"),
+        (["dispersion", "--c0", "0", "--lengths", "10", "--store", "s", "--export", "x.txt"], "--export: x.txt has the ending"),
+        (["dispersion", "--c0", "0", "--lengths", "10", "--store", "no/s"], "/no does not exist; make it first"),
+        (["dispersion", "--c0", "0", "--lengths", "10", "--store", "s", "--workers", "2", "--scheduler", "tcp://x:1"], "--workers: "),
+        (["branch", "blob", "--mode", "1,1", "--c0", "0", "--lengths", "10", "--volumes", "0.9", "--store", "s"], "family: "),
+        (["branch", "coil", "--mode", "x", "--c0", "0", "--lengths", "10", "--volumes", "0.9", "--store", "s"], "--mode: "),
+    ],
+)  # fmt: skip
+def test_mistakes_are_one_line(capsys, tmp_path, monkeypatch, words, said):
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run(capsys, "scan", *words)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert said in err
+    assert not list(tmp_path.glob("*.csv"))
