@@ -158,6 +158,11 @@ def cylinder_lambda1(lambda2: float, c0: float) -> float:
     return 0.25 - lambda2 - c0**2
 
 
+def cylinder_force(lambda2: float, c0: float) -> float:
+    """Axial force on the straight cylinder, ``dE/dL = pi (1 - lambda2 - 2 c0)`` (``docs/theory/model.md``)."""
+    return math.pi * (1 - lambda2 - 2 * c0)
+
+
 def cylinder_energy(c0: float) -> float:
     """Normalised energy ``E/A`` of the straight cylinder, ``(1/2 - c0)^2``."""
     return (0.5 - c0) ** 2

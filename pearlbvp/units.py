@@ -40,25 +40,29 @@ class Dimension(NamedTuple):
 NUMBER, LENGTH, CURVATURE, AREA, VOLUME = Dimension(), Dimension(1), Dimension(-1), Dimension(2), Dimension(3)
 TENSION, PRESSURE = Dimension(-2), Dimension(-3)
 """Also of an energy by area: ``(H - c0)^2`` is the square of a curvature; ``lambda1 A`` and ``lambda2 V`` are energies."""
+FORCE = Dimension(-1)
+"""An energy by length. Energies themselves, and torques, are numbers."""
 TIME, RATE, VELOCITY = Dimension(time=1), Dimension(time=-1), Dimension(1, -1)
 
 QUANTITIES: Mapping[str, Dimension] = {
     **dict.fromkeys(("L", "length", "period", "x", "r", "y", "z", "r_min", "r_max", "amplitude", "wave", "gap",
-                     "delta", "centre", "shape", "edge"), LENGTH),
+                     "delta", "centre", "shape", "edge", "M"), LENGTH),
     **dict.fromkeys(("c0", "k", "H"), CURVATURE),
+    "force": FORCE,
     **dict.fromkeys(("lambda1", "E", "E_least_energy"), TENSION),
     **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "pressure"), PRESSURE),
     "area": AREA, "volume": VOLUME, "volume_by_length": AREA, "xi": Dimension(-2),
     "t": TIME, "velocity": VELOCITY, **dict.fromkeys(("mu_crit", "mu_error", "rate"), RATE),
     **dict.fromkeys(("v", "v_localized", "v_reduced", "area_error", "volume_error", "quality_worst", "quality_mean",
                      "m", "n", "point", "pearls", "pearls_least_energy", "kernel", "n_unstable", "nodes", "triangles",
-                     "slope", "phi", "psi", "vertex", "i", "j"), NUMBER),
+                     "slope", "torque", "phi", "psi", "vertex", "i", "j"), NUMBER),
 }  # fmt: skip
 """Dimensions by the names that columns, options and the numbers of sentences have."""
 
 WORDS: Mapping[str, str] = {
     "L": "length L", "x": "axial position x", "k": "wave number k", "c0": "spontaneous curvature c0",
     "v": "reduced volume v", "E": "energy by area E/A", "lambda1": "tension lambda1", "lambda2": "pressure lambda2",
+    "force": "axial force", "torque": "torque", "M": "integrated mean curvature M",
     "t": "time t", "velocity": "largest velocity", "r": "distance from the axis",
 }  # fmt: skip
 """What the axes of pictures say of quantities, before their units."""

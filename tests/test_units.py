@@ -34,6 +34,7 @@ POWERS = {
     **dict.fromkeys(("E", "E_least_energy", "lambda1"), BY_AREA),
     **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper"), BY_VOLUME),
     **dict.fromkeys(("mu_crit", "mu_error"), -TIME),
+    "M": CURVATURE + AREA, "force": ENERGY - LENGTH, "torque": ENERGY,
     "area": AREA, "volume": VOLUME,
 }  # fmt: skip
 OF_FLOWS = {

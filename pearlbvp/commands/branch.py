@@ -93,7 +93,8 @@ def branch(
     r_max, n_unstable, mu_crit (largest growth rate over all perturbations that fit the tube), critical (its n,
     and its wave number j per periods on the tube; of rings, coils and buckles its symmetry), c0, L, mu_error (of
     growth rates, as rigid motions show it), wave (2A of the largest wave cos(kx + n phi) of the surface over the straight tube,
-    empty where the axis is not inside of it).
+    empty where the axis is not inside of it), M (integral of the mean curvature), force (along the axis, dE/dL at fixed
+    area and volume), of coils torque (dE/d(twist)).
 
     Special points are numbered from the branch's start (with --shape: from the shape, either way), as `switch`, `follow`
     and `show` number them, also where `resume` goes on.

@@ -30,7 +30,8 @@ def dispersion(
     """Branch points of the straight tube, and which of them end its stable interval.
 
     Columns: m, n (waves along and around), k, type, lambda2, lambda1, kernel (its dimension without
-    translations), role (lower or upper: the ends of the interval in which the tube is stable).
+    translations), role (lower or upper: the ends of the interval in which the tube is stable), force
+    (along the axis; of coils and buckles Euler's, -pi k^2/2).
     """
     from pearlbvp.studies.dispersion import branch_points, instability_curves
 

@@ -110,11 +110,11 @@ def flow(
     """Let a perturbed shape of a branch flow at fixed area and volume, until it rests on a stable shape.
 
     Columns: t, E, lambda1, lambda2, area_error, volume_error (relative changes), velocity (the largest along the normal), v,
-    amplitude, r_min, r_max, area (by that of the straight tube), v_reduced; a row for every accepted step, and a second one
-    at the same time where the shape is refined or remeshed. A perturbed shape has another area than the branch's: it is
-    similar to one of area 1 on a tube of length L/area with c0 times area, whose v is v_reduced = v/area^2; compare that
-    with pearlbvp branch. How the flow ends goes to standard error: on which shape it rests, and how stable that is to all
-    perturbations of this tube.
+    amplitude, r_min, r_max, area (by that of the straight tube), v_reduced, M, force; a row for every accepted step, and a
+    second one at the same time where the shape is refined or remeshed. A perturbed shape has another area than the
+    branch's: it is similar to one of area 1 on a tube of length L/area with c0 times area, whose v is v_reduced = v/area^2;
+    compare that with pearlbvp branch. How the flow ends goes to standard error: on which shape it rests, and how stable
+    that is to all perturbations of this tube.
 
     A bump is 1/(1 + xi x^2) times cos(phi) on --tube, --nodes and all but pearls; pearls as graphs have it without
     cos(phi), so their start is another one.

@@ -126,9 +126,9 @@ class Following:
     def _written(self, found: Branch[Any], wanted: Mapping[str, float], other_way: str) -> int:
         from pearlbvp.continuation.branch import Status
         from pearlbvp.studies import saved
-        from pearlbvp.studies.branch import COLUMNS
+        from pearlbvp.studies.branch import shown
 
-        table = self.units.columns(found.table()[COLUMNS])
+        table = self.units.columns(shown(found.table()))
         saves = [] if self.save is None else [lambda: saved.save(found, self.save, "--save")]  # type: ignore[arg-type]
 
         def draw() -> Figure:

@@ -57,7 +57,7 @@ def mesh(
     Columns (one row, on standard output): nodes, triangles, quality_worst, quality_mean (longest edge times perimeter by
     twice the area; 3.46 is best), area, volume (of the flat triangles), c0, L, E (of the discretization); with --solve
     also lambda1, lambda2, v, amplitude, r_min, r_max, n_unstable, mu_crit, critical, mu_error (of growth rates, as rigid
-    motions show it), of the equilibrium on the mesh.
+    motions show it), M (integral of the mean curvature) and the axial force, of the equilibrium on the mesh.
 
     The mesh is one period, cut where it begins again. A shape of a branch on a mesh comes with its own triangles.
     """

@@ -138,10 +138,10 @@ def _branch(
 ) -> int:
     """Show a saved branch."""
     from pearlbvp.studies import export, saved
-    from pearlbvp.studies.branch import COLUMNS
+    from pearlbvp.studies.branch import shown
 
     branch = saved.load(file, "FILE")
-    table = units.columns(branch.table()[COLUMNS])
+    table = units.columns(shown(branch.table()))
     others: list[Callable[[], object]] = []
     note = ""
     if profile is not None or surface is not None:

@@ -81,8 +81,10 @@ def continue_branch(
         the start has a wanted value, it is the start alone.
 
     Raises:
-        InputError: another value is wanted of something that stays as it is on the branch, or a turning point of that.
+        InputError: another value is wanted of something that stays as it is on the branch, or that its solutions do not have,
+            or a turning point of that.
     """
+    _refuse_unknown(start, options)
     _refuse_constant(start, options)
     run = _Run(start, options, at_bifurcation)
     try:
@@ -224,6 +226,18 @@ def _places(events: list[Event[P]]) -> list[list[Event[P]]]:
         else:
             places.append([event])
     return places
+
+
+def _refuse_unknown(start: Solution[Any], options: BranchOptions) -> None:
+    """Refuse to look for what solutions of other kinds have.
+
+    Raises:
+        InputError: the first such name.
+    """
+    for name in (*options.until, *options.watched):
+        if name in start.observables or name == "mu_crit" or (name in options.until and name in start.further):
+            continue
+        raise InputError(f"until: a {start.problem.family} has no {name}; stop at something else")
 
 
 def _refuse_constant(start: Solution[Any], options: BranchOptions) -> None:

@@ -17,6 +17,7 @@ area are trapezoidal sums, gradients and second derivatives are the exact ones o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -285,8 +286,13 @@ class GraphFlow:
         return {
             "lambda1": float(multipliers[0]), "lambda2": lambda2, "E": float(energy / area), "area": float(area),
             "volume": float(q.mean()), "v": float(2 * q.mean()), "amplitude": float(thick - thin) / 2,
-            "r_min": float(thin), "r_max": float(thick),
+            "r_min": float(thin), "r_max": float(thick), "c0": self.c0, "L": self.length, "M": self._curvature(q),
         }  # fmt: skip
+
+    def _curvature(self, q: Array) -> float:
+        """Integral of the mean curvature: the energy is ``E(0) - 2 c0 M + c0^2 A``."""
+        (at_zero, area), (at_one, _) = (gradients(*self._fields(q), c0)[0].mean(axis=1) for c0 in (0.0, 1.0))
+        return math.pi * self.length * float(at_zero - at_one + area)
 
     def _extremes(self, q: Array) -> tuple[float, float]:
         """Smallest and largest radius of the interpolant, by parabolas through its values on eight times as many points."""

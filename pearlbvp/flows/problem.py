@@ -115,7 +115,10 @@ class FlowProblem(Protocol):
         """Largest growth rates at an equilibrium, rigid motions left out, and their vectors, shapes (count,), (N, count)."""
 
     def observables(self, q: Array, multipliers: Array) -> dict[str, float]:
-        """``lambda1, lambda2, E, area, volume, v, amplitude, r_min, r_max``: area and volume as ``constraints`` has them."""
+        """``lambda1, lambda2, E, area, volume, v, amplitude, r_min, r_max, c0, L, M``.
+
+        Area and volume are as ``constraints`` has them.
+        """
 
     def trouble(self, q: Array) -> Trouble | None:
         """Why the surface can no longer be described, or None."""

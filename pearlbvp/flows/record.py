@@ -10,12 +10,14 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.flows.problem import FlowProblem
+from pearlbvp.membrane import with_force
 from pearlbvp.representation import brief
 
 if TYPE_CHECKING:
     import pandas as pd
 
-COLUMNS = ("t", "E", "lambda1", "lambda2", "area_error", "volume_error", "velocity", "v", "amplitude", "r_min", "r_max")
+COLUMNS = ("t", "E", "lambda1", "lambda2", "area_error", "volume_error", "velocity", "v", "amplitude", "r_min", "r_max", "M",
+           "force")  # fmt: skip
 
 
 Status = Literal[
@@ -71,7 +73,7 @@ class Record:
         """Write down a step; returns its observables."""
         found = problem.observables(q, multipliers)
         area, volume = self.start
-        row = found | {
+        row = with_force(found) | {
             "t": t, "velocity": velocity, "area_error": found["area"] / area - 1,
             "volume_error": found["volume"] / volume - 1,
         }  # fmt: skip
@@ -87,7 +89,7 @@ class Record:
         return Record(self.start, {name: list(values) for name, values in self.rows.items()}, list(self.frames))
 
     def table(self) -> pd.DataFrame:
-        """A row for every accepted step: ``COLUMNS``, and ``area, v_reduced``.
+        """A row for every accepted step: ``COLUMNS``, and ``area, v_reduced`` before ``M, force``.
 
         The area is by that of the straight tube, ``s = A/(2 pi L)``; ``v/s^2`` is the reduced volume of the similar shape at
         ``s = 1``, as branches have it (``studies.flow_end``).
@@ -95,8 +97,9 @@ class Record:
         import pandas as pd
 
         table = pd.DataFrame(self.rows)
+        last = {name: table.pop(name) for name in ("M", "force")}
         area = self.start[0] * (1 + table["area_error"])
-        return table.assign(area=area, v_reduced=table["v"] / area**2)
+        return table.assign(area=area, v_reduced=table["v"] / area**2, **last)
 
 
 @dataclass(frozen=True)
@@ -126,9 +129,8 @@ class Equilibrium:
 
     @property
     def observables(self) -> Mapping[str, float]:
-        """As the problem has them."""
-        found: Mapping[str, float] = self.problem.observables(self.q, self.multipliers)
-        return found
+        """As the problem has them, and the axial force."""
+        return with_force(self.problem.observables(self.q, self.multipliers))
 
 
 NEUTRAL = 1e-7

@@ -8,6 +8,7 @@ by the rates balances that of the energy.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -245,13 +246,14 @@ class TubeFlow:
 
     def observables(self, q: Array, multipliers: Array) -> dict[str, float]:
         """Energy by area, multipliers, reduced volume; radii are measured from the sections' centres."""
-        energy, area, volume = self._tube(q, multipliers).means
+        tube = self._tube(q, multipliers)
+        energy, area, volume = tube.means
         along, around = self.size
         thin, thick = extremes(self.waves, Cell(1, 1, (2 * along + 2, 2 * around + 2)), q)
         return {
             "lambda1": float(multipliers[0]), "lambda2": self._lambda2(multipliers), "E": energy / area,
             "area": area, "volume": volume, "v": 2 * volume, "amplitude": (thick - thin) / 2, "r_min": thin,
-            "r_max": thick,
+            "r_max": thick, "c0": self.c0, "L": self.length, "M": 2 * math.pi * self.length * tube.curvature,
         }  # fmt: skip
 
     def trouble(self, q: Array) -> Trouble | None:

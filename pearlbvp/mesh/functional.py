@@ -182,6 +182,15 @@ class Functional:
         none = np.zeros(0, dtype=np.int64)
         return self._sum(vertices, directions, c0, 0.0, 0.0, none, np.zeros(0))
 
+    def curvature(self, vertices: Array, directions: Array) -> tuple[float, Array]:
+        """Integral of the mean curvature of one period, and its gradient, shape (V,).
+
+        The energy is ``E(0) - 2 c0 M + c0^2 A``, on a mesh too.
+        """
+        (at_zero, area, _), (slope_at_zero, by_area, _) = self.sums(vertices, directions, 0.0)
+        (at_one, *_), (slope_at_one, *_) = self.sums(vertices, directions, 1.0)
+        return float(at_zero - at_one + area) / 2, (slope_at_zero - slope_at_one + by_area) / 2
+
     def hessian(
         self, vertices: Array, directions: Array, c0: float, lambda1: float, lambda2: float
     ) -> tuple[sparse.csc_matrix, Sums]:

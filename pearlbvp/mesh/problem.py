@@ -25,7 +25,7 @@ from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Fixed
-from pearlbvp.membrane import MembraneProblem
+from pearlbvp.membrane import MembraneProblem, with_force
 from pearlbvp.mesh.adaptation import (
     AdaptOptions,
     adapted,
@@ -171,13 +171,15 @@ class MeshProblem(MembraneProblem):
         return float((u * self.weights) @ v)
 
     def observables(self, u: Array) -> dict[str, float]:
-        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L``; radii are measured from the sections' centres."""
+        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L, M, force``; radii are from the sections' centres."""
         energy, area, _ = self._sums(u).values
         thin, thick = radii(self.functional, self.vertices(u))
-        return {
+        observed = {
             "lambda1": float(u[-3]), "lambda2": float(u[-2]), "v": float(u[-1]), "E": float(energy / area),
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,
+            "M": self.functional.curvature(self.vertices(u), self.directions)[0],
         }  # fmt: skip
+        return with_force(observed)
 
     def largest_wave(self, u: Array) -> float:
         """``2 A`` of the largest wave (``projection``)."""

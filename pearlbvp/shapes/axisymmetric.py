@@ -108,6 +108,12 @@ def energy_density(y: Array, p: Array) -> Array:
     return density
 
 
+def curvature_density(y: Array, p: Array) -> Array:
+    """Integrand of the mean of ``H`` over the surface, shape (K,)."""
+    density: Array = p[0] * y[:, 0] * y[:, 2] / p[4]
+    return density
+
+
 def axial_force(y: Array, p: Array) -> Array:
     """The first integral at points, shape (K,): the force along the axis divided by 2 pi.
 

@@ -28,7 +28,7 @@ from pearlbvp.continuation.problem import LiftError
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Fixed
-from pearlbvp.membrane import Grid, MembraneProblem, Surface, fixed_of_tree
+from pearlbvp.membrane import Grid, MembraneProblem, Surface, fixed_of_tree, with_force
 from pearlbvp.membrane import repeated as repeated_surface
 from pearlbvp.representation import brief
 from pearlbvp.shapes import axisymmetric, large_multipliers
@@ -137,11 +137,12 @@ class PearlProblem(MembraneProblem):
         return self.discretization.inner(u, v)
 
     def observables(self, u: Array) -> dict[str, float]:
-        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L``; ``E`` is by area, ``L`` the whole tube's."""
+        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L, M, force``; ``E`` is by area, ``L`` the whole tube's."""
         d = self.discretization
         y, p = self.multipliers(d.at_gauss_points(u), d.all_parameters(u))
         narrowest, widest = extremes(d.polynomial(u), 0)
-        return {
+        length = float(p[4]) * self.cells * (2 if self.half else 1)
+        observed = {
             "lambda1": float(p[1]),
             "lambda2": float(p[2]),
             "v": float(p[5]),
@@ -150,8 +151,10 @@ class PearlProblem(MembraneProblem):
             "r_min": narrowest,
             "r_max": widest,
             "c0": float(p[3]),
-            "L": float(p[4]) * self.cells * (2 if self.half else 1),
+            "L": length,
+            "M": 2 * math.pi * length * float(d.gauss_weights @ axisymmetric.curvature_density(y, p)),
         }
+        return with_force(observed)
 
     def remesh(self, u: Array, *others: Array) -> tuple[PearlProblem, list[Array]] | None:
         """The problem on a mesh fitted to ``u`` and in the chart that suits it, with tangents moved there.

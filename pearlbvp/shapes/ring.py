@@ -38,6 +38,7 @@ from pearlbvp.membrane import (
     checked_tolerance,
     fixed_of_tree,
     of_sections,
+    with_force,
 )
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.projection import of_section
@@ -121,17 +122,17 @@ class RingProblem(MembraneProblem):
         return float(u[-3]) * self.n**2 / 8 - self.c0**2, float(u[-2]) * self.n**3 / 16
 
     def observables(self, u: Array) -> dict[str, float]:
-        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L, gap``; ``E`` is by area.
+        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L, M, force, gap``; ``E`` is by area.
 
-        Radii are measured from the section's centre. ``gap`` is the width of the narrowest place between the two sides of a
-        lobe: 0 where the ring touches itself.
+        ``M`` is ``pi L``, as ``2H`` turns the tangent of the section once. Radii are measured from the section's centre.
+        ``gap`` is the width of the narrowest place between the two sides of a lobe: 0 where the ring touches itself.
         """
         d = self.discretization
         kappa = d.at_gauss_points(u)[:, 1] * self.n / 2
         tip, waist = self.profile(u).curve(np.array([0.0, 1.0]))
         radii = float(tip.real), float((waist * np.exp(-1j * math.pi / self.n)).real)
         lambda1, lambda2 = self._multipliers(u)
-        return {
+        observed = {
             "lambda1": lambda1,
             "lambda2": lambda2,
             "v": float(u[-1]),
@@ -141,8 +142,10 @@ class RingProblem(MembraneProblem):
             "r_max": max(radii),
             "c0": self.c0,
             "L": self.length,
+            "M": math.pi * self.length,
             "gap": self.gap(u),
         }
+        return with_force(observed)
 
     def gap(self, u: Array) -> float:
         """Width of the narrowest place between the two sides of a lobe; see ``theory.elastica.ElasticRing.gap``.

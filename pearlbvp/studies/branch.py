@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -17,6 +18,7 @@ from pearlbvp.helfrich import (
     WaveNumbers,
     choice,
     cylinder_energy,
+    cylinder_force,
     cylinder_lambda1,
     finite,
     known_tube,
@@ -28,14 +30,25 @@ from pearlbvp.studies import families
 from pearlbvp.theory.dispersion import critical_lambda2
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from pearlbvp.mesh.adaptation import AdaptOptions
 
 Discretization = Literal["modes", "subdivision", "cotangent"]
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
-           "critical", "c0", "L", "mu_error", "wave"]  # fmt: skip
-TURNS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L")
+           "critical", "c0", "L", "mu_error", "wave", "M", "force"]  # fmt: skip
+FURTHER = ["torque"]
+"""Columns behind those, where a family has them."""
+
+TURNS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L", "M", "force", "torque")
 """Columns whose turning points can be located."""
+
+
+def shown(table: pd.DataFrame) -> pd.DataFrame:
+    """The columns of a branch's table that the command line writes: ``COLUMNS``, and those of ``FURTHER`` that it has."""
+    return table[[*COLUMNS, *(name for name in FURTHER if name in table)]]
+
 
 STOPS = (*TURNS, "mu_crit", "wave")
 """Columns at a value of which a branch can stop."""
@@ -229,5 +242,6 @@ def straight_values(tube: Tube, lambda2: float) -> dict[str, float]:
     """The straight tube's own numbers, which a discretization of it has to its accuracy only."""
     return {
         "lambda1": cylinder_lambda1(lambda2, tube.c0), "lambda2": lambda2, "v": 1.0, "E": cylinder_energy(tube.c0),
-        "amplitude": 0.0, "r_min": 1.0, "r_max": 1.0, "wave": 0.0,
+        "amplitude": 0.0, "r_min": 1.0, "r_max": 1.0, "wave": 0.0, "M": math.pi * tube.length,
+        "force": cylinder_force(lambda2, tube.c0), "torque": 0.0,
     }  # fmt: skip

@@ -13,7 +13,7 @@ from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, choice, finite, mode_list, whole
-from pearlbvp.studies.branch import COLUMNS, branch_options, family_branch, known_options
+from pearlbvp.studies.branch import branch_options, family_branch, known_options, shown
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.studies.onward import switched
 
@@ -63,11 +63,12 @@ class Diagram:
 
 
 def together(branches: Mapping[str, Branch[Any]]) -> pd.DataFrame:
-    """Tables of several branches under one another: ``branch``, the branch's name, then ``studies.branch.COLUMNS``."""
+    """Tables of several branches under one another: ``branch``, the branch's name, then those of ``studies.branch.shown``."""
     import pandas as pd
 
-    tables = [branch.table()[COLUMNS].assign(branch=name) for name, branch in branches.items()]
-    return pd.concat(tables, ignore_index=True)[["branch", *COLUMNS]]
+    tables = [branch.table().assign(branch=name) for name, branch in branches.items()]
+    whole = pd.concat(tables, ignore_index=True)
+    return pd.concat((whole["branch"], shown(whole)), axis=1)
 
 
 def tubes_apart(table: pd.DataFrame) -> dict[str, str]:

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, cylinder_lambda1, finite, positive, whole
+from pearlbvp.helfrich import Tube, cylinder_force, cylinder_lambda1, finite, positive, whole
 from pearlbvp.theory.dispersion import critical_lambda2, mode_type, stable_interval
 
-COLUMNS = ["m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role"]
+COLUMNS = ["m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role", "force"]
 
 MOST_ROWS = 1_000_000
 
@@ -26,10 +26,10 @@ def branch_points(c0: float, length: float, max_m: int | None = None, max_n: int
         max_n: largest azimuthal number.
 
     Returns:
-        A row a branch point, by increasing ``lambda2``: ``m, n, k, type, lambda2, lambda1, kernel, role``. ``kernel`` is
+        A row a branch point, by increasing ``lambda2``: ``m, n, k, type, lambda2, lambda1, kernel, role, force``. ``kernel`` is
         the dimension of the kernel without the two translations: 2 for ``(m, 0)`` and ``(0, n)``, 4 for ``(m, n)``,
         summed over modes that meet at the same ``lambda2``. ``role`` is ``lower`` or ``upper`` where the point ends the
-        interval in which the tube is stable.
+        interval in which the tube is stable. ``force`` is the axial one, at coiling and buckling Euler's: ``-pi k^2/2``.
 
     Raises:
         InputError: an argument that cannot be used.
@@ -50,7 +50,8 @@ def branch_points(c0: float, length: float, max_m: int | None = None, max_n: int
         if math.isfinite(lambda2):
             kernel = 4 if m and n else 2
             role = roles.get((m, n), "") if interval.exists else ""
-            rows.append((m, n, k, mode_type(m, n), lambda2, cylinder_lambda1(lambda2, tube.c0), kernel, role))
+            straight = cylinder_lambda1(lambda2, tube.c0), kernel, role, cylinder_force(lambda2, tube.c0)
+            rows.append((m, n, k, mode_type(m, n), lambda2, *straight))
     table = pd.DataFrame(rows, columns=COLUMNS).sort_values(["lambda2", "m", "n"], ignore_index=True)
     # Modes that meet at one lambda2 share its kernel.
     apart = np.diff(table["lambda2"], prepend=-np.inf) > 1e-10 * (1 + table["lambda2"].abs())

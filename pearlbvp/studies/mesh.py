@@ -100,16 +100,17 @@ def mesh_table(mesh: PeriodicMesh, c0: float, kind: Kind = "subdivision") -> pd.
 
 
 def equilibrium_table(problem: MeshProblem, u: Array) -> pd.DataFrame:
-    """The same of an equilibrium, and of the columns of a branch those from ``lambda1`` to ``r_max`` and of its stability."""
+    """The same of an equilibrium, and of the columns of a branch those of shape, stability and force."""
     found, spectrum = problem.observables(u), problem.spectrum(u)
     order = ("c0", "L", "E", "lambda1", "lambda2", "v", "amplitude", "r_min", "r_max")
+    last = {name: found[name] for name in ("M", "force")}
     stability = {
         "n_unstable": spectrum.n_unstable if spectrum.complete else None,
         "mu_crit": spectrum.mu_crit,
         "critical": str(spectrum.critical),
         "mu_error": spectrum.residual,
     }
-    return _rows(problem.surface(u), {name: found[name] for name in order} | stability)
+    return _rows(problem.surface(u), {name: found[name] for name in order} | stability | last)
 
 
 def _rows(mesh: PeriodicMesh, values: dict[str, Any]) -> pd.DataFrame:

@@ -19,6 +19,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import SHORT_WAVE
+from pearlbvp.membrane import with_force
 from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.perturbations import blocks_up_to
@@ -121,13 +122,21 @@ class TubeProblem(TubeShapes):
         return float((u * self.weights) @ v)
 
     def observables(self, u: Array) -> dict[str, float]:
-        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L``; radii are measured from the sections' centres."""
+        """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L, M, force``, and of shapes that turn the ``torque``.
+
+        Radii are measured from the sections' centres.
+        """
         lambda1, lambda2, v, c0, length = self.parameters(u)
-        thin, thick = extremes(self._waves(u), self.cell, self.coefficients(u))
-        return {
-            "lambda1": lambda1, "lambda2": lambda2, "v": v, "E": self.equilibrium(u).means[0],
+        waves, coefficients, equilibrium = self._waves(u), self.coefficients(u), self.equilibrium(u)
+        thin, thick = extremes(waves, self.cell, coefficients)
+        observed = {
+            "lambda1": lambda1, "lambda2": lambda2, "v": v, "E": equilibrium.means[0],
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": c0, "L": length,
+            "M": 2 * math.pi * length * equilibrium.curvature,
         }  # fmt: skip
+        if self.symmetry.turns:
+            observed["torque"] = equilibrium.torque(waves.displacement(self.cell, coefficients))
+        return with_force(observed)
 
     def tails(self, u: Array) -> tuple[tuple[float, float], tuple[float, float]]:
         """Largest curvatures of the modes halfway out and at the end: of those more along the tube, and more around it.

@@ -7,6 +7,7 @@ solution (``docs/theory/reduced_modes.md``).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -136,6 +137,30 @@ class Equilibrium:
     def means(self) -> tuple[float, float, float]:
         """Energy, area and volume by unit area of the cylinder."""
         return float(self._gradients[0].mean()), self.area, self.volume
+
+    @property
+    def curvature(self) -> float:
+        """Integral of the mean curvature by area of the cylinder: the energy is ``E(0) - 2 c0 M + c0^2 A``."""
+        at_zero, at_one = (float(gradients(self.fields, c0)[0].mean()) for c0 in (0.0, 1.0))
+        return (at_zero - at_one + self.area) / 2
+
+    def torque(self, places: Array) -> float:
+        """``dE/d(twist)`` at fixed area, volume and length: what turns the tube's ends against each other.
+
+        A twist turns the section at ``x`` by ``x`` times its rate, so that the rate adds ``i P`` to ``a = P_x``, ``2 i a`` to
+        ``p = P_xx`` and ``i b`` to ``q = P_xphi``.
+
+        Args:
+            places: points of the surface in the plane, turned as the fields are, shape (2, K).
+        """
+        turned = np.zeros_like(self.fields)
+        for fields, vector in (
+            (slice(0, 2), places),
+            (slice(4, 6), 2 * self.fields[:2]),
+            (slice(6, 8), self.fields[2:4]),
+        ):
+            turned[fields] = -vector[1], vector[0]
+        return 2 * math.pi * float((self._force * turned).sum(axis=0).mean())
 
     def force(self, modes: ModeWaves) -> Array:
         """Gradient of energy and constraints with their multipliers in the modes, shape (N,): 0 at an equilibrium."""

@@ -23,7 +23,7 @@ def test_dispersion(capsys, tmp_path):
     status, out, err = run(capsys, "dispersion", "--c0", "0.48", "--length", "30", "--plot", str(tmp_path / "d.png"))
     assert (status, err) == (0, "")
     table = pd.read_csv(io.StringIO(out), keep_default_na=False)
-    assert list(table.columns) == ["m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role"]
+    assert list(table.columns) == ["m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role", "force"]
     assert table[table.role == "lower"].m.tolist() == [4]
     assert is_png(tmp_path / "d.png")
 

@@ -21,7 +21,7 @@ from pearlbvp.studies.onward import switched
 from pearlbvp.studies.saved import load, save
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
-           "critical", "c0", "L", "mu_error", "wave"]  # fmt: skip
+           "critical", "c0", "L", "mu_error", "wave", "M", "force"]  # fmt: skip
 
 
 def test_a_shape_is_named_by_what_is_special_there(capsys, tmp_path):
@@ -212,6 +212,8 @@ EQUILIBRIUM = [
     "mu_crit",
     "critical",
     "mu_error",
+    "M",
+    "force",
 ]
 
 
@@ -269,6 +271,8 @@ def test_a_shape_of_a_branch_of_any_family_becomes_an_equilibrium(capsys, shapes
     assert row.v == pytest.approx(exact["v"], abs=1e-11)
     for column in ("lambda1", "lambda2"):
         assert row[column] == pytest.approx(exact[column], rel=2e-3)
+    assert row["M"] == pytest.approx(exact["M"], rel=1e-3)
+    assert row.force == pytest.approx(exact["force"], rel=5e-3)
     assert row["E"] == pytest.approx(exact["E"], rel=1e-3, abs=1e-5)
     assert row.n_unstable == end.spectrum.n_unstable
     assert row.mu_crit == pytest.approx(end.spectrum.mu_crit, rel=0.05, abs=2e-3)

@@ -137,6 +137,9 @@ def test_a_bump_on_pearls_flows_to_the_pearls_of_its_area_and_volume():
         assert end[name] == pytest.approx(there[name], abs=1e-8)
     scale = result.equilibrium.observables["area"]
     assert result.equilibrium.observables["lambda2"] * scale**3 == pytest.approx(there["lambda2"], abs=1e-8)
+    assert result.equilibrium.observables["M"] / scale == pytest.approx(there["M"], abs=1e-7)
+    assert result.equilibrium.observables["force"] * scale == pytest.approx(there["force"], abs=1e-7)
+    assert result.table()["force"].iloc[-1] == pytest.approx(result.equilibrium.observables["force"], abs=1e-3)
     assert result.equilibrium.growth_rates[0] == pytest.approx(
         max(r[0] for b, r in problem.spectrum(u).rates.items() if b.n == 0) / scale**4, rel=1e-6
     )

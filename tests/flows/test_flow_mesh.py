@@ -135,7 +135,15 @@ def test_pearls_come_back_to_their_equilibrium():
     found, exact = result.equilibrium.observables, pearls().observables
     assert found["area"] == pytest.approx(1.0, abs=1e-12)
     assert table["E"].iloc[-1] == pytest.approx(found["E"], abs=1e-7)
-    for name in ("E", "lambda1", "lambda2", "r_min", "r_max"):  # the perturbed shape has the branch's area and volume
+    for name in (
+        "E",
+        "lambda1",
+        "lambda2",
+        "r_min",
+        "r_max",
+        "M",
+        "force",
+    ):  # the perturbed shape has the branch's area and volume
         assert found[name] == pytest.approx(exact[name], rel=1e-2), name
 
 

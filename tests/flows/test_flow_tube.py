@@ -150,6 +150,8 @@ def test_a_coil_flows_back_to_the_coil_of_its_area_and_volume():
     assert end["lambda1"] * scale**2 == pytest.approx(there["lambda1"], abs=1e-8)
     assert end["lambda2"] * scale**3 == pytest.approx(there["lambda2"], abs=1e-8)
     assert end["E"] * scale**2 == pytest.approx(there["E"], abs=1e-8)
+    assert end["M"] / scale == pytest.approx(there["M"], abs=1e-7)
+    assert end["force"] * scale == pytest.approx(there["force"], abs=1e-7)
 
 
 def test_an_unstable_buckle_flows_to_the_coil():
