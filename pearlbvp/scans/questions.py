@@ -177,7 +177,7 @@ QUESTIONS: Mapping[str, Question] = {
     for question in (
         Question(
             "dispersion", ("c0", "L"),
-            ("c0", "L", "m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role", "status", "message"),
+            ("c0", "L", "m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role", "force", "status", "message"),
             _each(_dispersion), integers=("m", "n", "kernel"), drawn="lambda2",
             says="The branch points of the straight tube.",
             example="dispersion --c0 0.3,0.48 --lengths 10:40:0.5 --store d.sqlite",

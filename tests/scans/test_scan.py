@@ -38,12 +38,12 @@ def test_rows_are_those_of_the_studies(tmp_path):
 
 
 def test_a_branch_is_asked_at_volumes_on_either_side(tmp_path):
-    volumes = [0.97, 0.99, 1.01]
-    found = scan("branch", tmp_path / "s.sqlite", c0=0.0, L=10, family="coil", mode="1:1", v=volumes, workers=1)
+    volumes = [0.99, 1.02, 1.04]
+    found = scan("branch", tmp_path / "s.sqlite", c0=0.0, L=10, family="pearl", mode="1:0", v=volumes, workers=1)
     assert found["v"].tolist() == volumes
-    assert found["status"].tolist() == ["found", "found", "none_in_range"]
-    alone = pb.branch(pb.Tube(0.0, 10), "coil", (1, 1), until={"v": 0.97})[-1]
-    assert found["lambda2"][0] == pytest.approx(alone.observables["lambda2"], abs=1e-8)
+    assert found["status"].tolist() == ["none_in_range", "found", "found"]
+    alone = pb.branch(pb.Tube(0.0, 10), "pearl", (1, 0), until={"v": 1.04})[-1]
+    assert found["lambda2"][2] == pytest.approx(alone.observables["lambda2"], abs=1e-8)
 
 
 def test_pearls_of_the_critical_period_are_those_that_the_tube_loses_its_stability_to(tmp_path):
