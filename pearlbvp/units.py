@@ -1,9 +1,10 @@
-"""Units of length: the one place that knows the dimension of every quantity, and the unit in which a user reads and writes it.
+"""Units: the one place that knows the dimension of every quantity, and the units in which a user reads and writes it.
 
-The package computes with tubes of radius 1. A tube of any radius is similar to one of those (paper, §1): what is given is
-converted at the door, and what is written - columns, axes, sentences, surfaces - on its way out, both by the dimension that a
-quantity's name has here. The bending modulus and the flow's mobility are 1, so tension, pressure and energy by area are powers
-of length, and so is time, whose power depends on the flow.
+The package computes with tubes of radius 1 and energies that count in ``2 kappa``. A tube of any radius is similar to one of
+those (paper, §1): what is given is converted at the door, and what is written - columns, axes, sentences, surfaces - on its
+way out, both by the dimension that a quantity's name has here. By a radius that is a plain number, energies and the flow's
+mobility are 1, so that tension, pressure and energy by area are powers of length, and so is time, whose power depends on the
+flow. By a radius with a unit, lengths have that unit; with a bending rigidity, energies are physical, too (``scale``).
 
 The same conversion leads from the end of a flow, whose area is ``s`` times that of its tube, to the similar shape of a branch:
 ``Units(s).from_user`` divides its lengths by ``s`` and multiplies its tension by ``s^2`` (``studies.flow_end``).
@@ -11,11 +12,29 @@ The same conversion leads from the end of a flow, whose area is ``s`` times that
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex, TypeVar
+from typing import TYPE_CHECKING, Any, SupportsIndex, TypeVar
 
+from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, finite, positive
+from pearlbvp.quantities import (
+    AREA,
+    CURVATURE,
+    ENERGY,
+    FORCE,
+    LENGTH,
+    NUMBER,
+    PRESSURE,
+    TENSION,
+    VOLUME,
+    Dimension,
+    Measured,
+    has_unit,
+    read,
+)
+from pearlbvp.scale import Scale
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,37 +48,25 @@ Parts = tuple[tuple[str, Mapping[str, Any]], ...]
 Surface = TypeVar("Surface")
 """A triangulated surface: a dataclass with ``vertices`` and ``length``."""
 
-
-class Dimension(NamedTuple):
-    """Powers of length and of the flow's time that a quantity is measured in."""
-
-    length: int = 0
-    time: int = 0
-
-
-NUMBER, LENGTH, CURVATURE, AREA, VOLUME = Dimension(), Dimension(1), Dimension(-1), Dimension(2), Dimension(3)
-TENSION, PRESSURE = Dimension(-2), Dimension(-3)
-"""Also of an energy by area: ``(H - c0)^2`` is the square of a curvature; ``lambda1 A`` and ``lambda2 V`` are energies."""
-FORCE = Dimension(-1)
-"""An energy by length. Energies themselves, and torques, are numbers."""
+SPONTANEOUS = Dimension(-1, spontaneous=1)
 TIME, RATE, VELOCITY = Dimension(time=1), Dimension(time=-1), Dimension(1, -1)
+"""Of the gradient flow, whose velocity is a pressure times a mobility."""
 
 QUANTITIES: Mapping[str, Dimension] = {
     **dict.fromkeys(("L", "length", "period", "x", "r", "y", "z", "r_min", "r_max", "amplitude", "wave", "gap",
                      "delta", "centre", "shape", "edge", "M"), LENGTH),
-    **dict.fromkeys(("c0", "k", "H"), CURVATURE),
-    "force": FORCE,
+    **dict.fromkeys(("k", "H"), CURVATURE), "c0": SPONTANEOUS, "force": FORCE, "torque": ENERGY,
     **dict.fromkeys(("lambda1", "E", "E_least_energy"), TENSION),
     **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "pressure"), PRESSURE),
     "area": AREA, "volume": VOLUME, "volume_by_length": AREA, "xi": Dimension(-2),
     "t": TIME, "velocity": VELOCITY, **dict.fromkeys(("mu_crit", "mu_error", "rate"), RATE),
     **dict.fromkeys(("v", "v_localized", "v_reduced", "area_error", "volume_error", "quality_worst", "quality_mean",
                      "m", "n", "point", "pearls", "pearls_least_energy", "kernel", "n_unstable", "nodes", "triangles",
-                     "slope", "torque", "phi", "psi", "vertex", "i", "j"), NUMBER),
+                     "slope", "phi", "psi", "vertex", "i", "j"), NUMBER),
 }  # fmt: skip
 """Dimensions by the names that columns, options and the numbers of sentences have."""
 
-WORDS: Mapping[str, str] = {
+AXES: Mapping[str, str] = {
     "L": "length L", "x": "axial position x", "k": "wave number k", "c0": "spontaneous curvature c0",
     "v": "reduced volume v", "E": "energy by area E/A", "lambda1": "tension lambda1", "lambda2": "pressure lambda2",
     "force": "axial force", "torque": "torque", "M": "integrated mean curvature M",
@@ -70,6 +77,9 @@ WORDS: Mapping[str, str] = {
 LAW = "area and volume"
 TIME_POWERS: Mapping[str, int] = {LAW: 4, "area": 4, "diffusion": 6}
 """Powers of length in the time of each flow: velocities are ``-dF``, or its Laplacian for diffusion."""
+
+HEADER = "units"
+"""Where a table keeps its columns' names with units, until it is written."""
 
 SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -82,6 +92,8 @@ class Units:
         radius: of the straight tube in the user's unit of length.
         given: whether the user gave it; else the unit is the radius itself.
         law: the flow whose time, velocities and growth rates are measured.
+        scale: the unit's name and the rigidity, if the radius has a unit.
+        second: the package's unit of time in seconds, if it is known; else times count in that of a flow of mobility 1.
 
     Raises:
         InputError: the radius is no positive number.
@@ -90,29 +102,104 @@ class Units:
     radius: float = 1.0
     given: bool = False
     law: str = LAW
+    scale: Scale | None = None
+    second: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "radius", positive("radius", self.radius))
+
+    @classmethod
+    def of(
+        cls,
+        radius: str | float,
+        kappa: str | None = None,
+        temperature: str | None = None,
+        convention: str = "physicists",
+    ) -> Units:
+        """Units by a tube's radius and rigidity.
+
+        Args:
+            radius: of the straight tube: ``"50nm"``, or a number.
+            kappa: bending rigidity, ``"20kT"``; without it energies, tensions and pressures count in it.
+            temperature: of ``kT``, ``"310K"`` by default.
+            convention: ``physicists``: ``kappa/2 (2H - C0)^2``, or ``mem3dg``: ``kappa (H - c0)^2``.
+
+        Raises:
+            InputError: one of them cannot be used.
+
+        Example:
+            >>> units = Units.of("50nm", "20kT")
+            >>> round(units.to_user("lambda1", 0.75), 5), units.unit("lambda1")  # mN/m, where long pearls appear
+            (0.05136, 'mN/m')
+        """
+        if isinstance(radius, str) and has_unit(radius):
+            number, scale = Scale.of(radius, kappa, temperature, convention)
+            return cls(number, given=True, scale=scale)
+        if kappa is not None:
+            raise InputError("kappa: it needs the radius with its unit; give --radius, like 50nm, too")
+        return cls(positive("radius", radius), given=True)  # type: ignore[arg-type]
 
     def of_flow(self, law: str) -> Units:
         """The same units, times being those of a flow."""
         return replace(self, law=law)
 
+    def in_time(self, second: float) -> Units:
+        """The same units, where the package's unit of time is known, in seconds."""
+        return replace(self, second=positive("time", second))
+
+    def _resolved(self, dimension: Dimension) -> Dimension:
+        """A dimension without time, where that counts in a flow's of mobility 1: in powers of length, and in 1/energy."""
+        if self.second is not None:
+            return dimension
+        length = dimension.length + TIME_POWERS[self.law] * dimension.time
+        return dimension._replace(length=length, time=0, energy=dimension.energy - dimension.time)
+
     def _power(self, dimension: Dimension) -> int:
-        return dimension.length + TIME_POWERS[self.law] * dimension.time
+        return self._resolved(dimension).length
+
+    def _factor(self, dimension: Dimension) -> float:
+        """What a quantity is multiplied by beside the power of the radius."""
+        return 1.0 if self.scale is None else self.scale.measure(self._resolved(dimension), self.second)[0]
 
     def to_user(self, name: str, value: Value) -> Value:
         """What a quantity of a tube of radius 1 is in the user's unit."""
-        return self._scaled(value, self._power(QUANTITIES[name]))
+        return self._converted(value, QUANTITIES[name])
+
+    def _converted(self, value: Any, dimension: Dimension) -> Any:
+        factor = self._factor(dimension)
+        return self._scaled(value if factor == 1 else value * factor, self._power(dimension))
 
     def from_user(self, name: str, value: Value) -> Value:
         """What a quantity in the user's unit is on a tube of radius 1."""
-        return self._scaled(value, -self._power(QUANTITIES[name]))
+        dimension = QUANTITIES[name]
+        factor = self._factor(dimension)
+        found = value if factor == 1 else value / factor  # type: ignore[operator]
+        return self._scaled(found, -self._power(dimension))
 
     def _scaled(self, value: Any, power: int) -> Any:
         if power == 0 or self.radius == 1:
             return value
         return value * self.radius**power if power > 0 else value / self.radius**-power
+
+    def number(self, name: str, text: str | float, argument: str) -> float:
+        """A quantity in the user's unit, from a number that is in it or from a text with a unit of its own.
+
+        Args:
+            name: of the quantity; one that means nothing stays as it is, for the study to refuse.
+            text: ``500``, ``"500nm"``.
+            argument: the argument's name, for the message.
+
+        Raises:
+            InputError: it is neither, not finite, of another dimension, or the radius or the rigidity is missing that it needs.
+        """
+        if not isinstance(text, str) or not has_unit(text):
+            return finite(argument, text)  # type: ignore[arg-type]
+        if self.scale is None:
+            read(argument, text)  # which refuses what is no quantity
+            raise InputError(f"{argument}: {text} has a unit, so the radius needs one; give --radius, like 50nm, too")
+        if name not in QUANTITIES:
+            return read(argument, text, self.scale.temperature).magnitude
+        return self.scale.number(argument, text, self._resolved(QUANTITIES[name]), self.unit(name))
 
     def named_from_user(self, name: str, value: Value) -> Value:
         """As ``from_user``, of a name that a user wrote: one that means nothing stays, for the study to refuse."""
@@ -127,18 +214,19 @@ class Units:
         name, equals, value = text.partition("=")
         if not equals:
             return text
-        return f"{name}={self.named_from_user(name, finite('point', value))!r}"  # type: ignore[arg-type]
+        return f"{name}={self.named_from_user(name, self.number(name, value, 'point'))!r}"
 
-    def tube(self, c0: float, length: float) -> Tube:
+    def tube(self, c0: float | str, length: float | str) -> Tube:
         """The tube of radius 1 that a tube is similar to: ``c0 r``, ``L / r`` (paper, §1).
 
         Raises:
             InputError: an argument that cannot be used.
         """
-        return Tube(self.from_user("c0", finite("c0", c0)), self.from_user("length", positive("length", length)))
+        curvature, period = self.number("c0", c0, "c0"), positive("length", self.number("length", length, "length"))
+        return Tube(self.from_user("c0", curvature), self.from_user("length", period))
 
     def columns(self, table: pd.DataFrame, **apart: Dimension) -> pd.DataFrame:
-        """A table of a tube of radius 1 in the user's unit.
+        """A table of a tube of radius 1 in the user's unit; ``headed`` then writes the units into its header.
 
         Args:
             table: every column of numbers has a name of ``QUANTITIES``; words stay.
@@ -149,9 +237,24 @@ class Units:
         known = {**QUANTITIES, **apart}
         empty = {str(name) for name in table if table[name].isna().all()}  # of what type they would be is not known
         numbers = [str(name) for name in table if name in known or pd.api.types.is_numeric_dtype(table[name])]
-        powers = {name: self._power(known[name]) for name in numbers if name not in empty}
-        scaled = {name: self._scaled(pd.to_numeric(table[name]), power) for name, power in powers.items() if power}
-        return table.assign(**scaled)
+        moved = [
+            name
+            for name in numbers
+            if name not in empty and (self._power(known[name]) or self._factor(known[name]) != 1)
+        ]
+        found = table.assign(**{name: self._converted(pd.to_numeric(table[name]), known[name]) for name in moved})
+        if self.scale is not None:
+            found.attrs[HEADER] = {name: self._heading(name, known[name]) for name in numbers}
+        return found
+
+    def _heading(self, name: str, dimension: Dimension) -> str:
+        """A column's name with its unit, by which it can be read back: ``L[nm]``; plain numbers have none."""
+        unit = "" if self.scale is None else self.scale.measure(self._resolved(dimension), self.second)[1]
+        return f"{self.symbol(name)}[{unit}]" if unit else name
+
+    def symbol(self, name: str) -> str:
+        """What a quantity is called: the spontaneous curvature is ``C0`` where it is that of ``(2H - C0)^2``."""
+        return "C0" if name == "c0" and self.scale is not None and self.scale.spontaneous != 1 else name
 
     def surface(self, surface: Surface) -> Surface:
         """A triangulated surface about a tube of radius 1 in the user's unit."""
@@ -166,21 +269,35 @@ class Units:
         return replace(surface, vertices=vertices, length=length)
 
     def unit(self, name: str) -> str:
-        """The unit of a quantity, ``1/radius²``; empty of plain numbers."""
+        """The unit of a quantity, ``1/radius²`` or ``1/nm^2``; empty of plain numbers."""
+        if self.scale is not None:
+            return self.scale.measure(self._resolved(QUANTITIES[name]), self.second)[1]
         power, one = self._power(QUANTITIES[name]), "unit" if self.given else "radius"
         if power == 1:
             return "units" if self.given else "radii"
         raised = one + (str(abs(power)).translate(SUPERSCRIPTS) if abs(power) > 1 else "")
         return "" if power == 0 else raised if power > 0 else f"1/{raised}"
 
+    def text(self, name: str, value: float, form: str = "g") -> str:
+        """A quantity of a tube of radius 1 in the user's unit, which is written where it has a name."""
+        return format(Measured(self.to_user(name, value), self.unit(name) if self.scale else "", " "), form)
+
+    def tube_text(self, tube: Tube) -> str:
+        """A tube in the user's unit: ``c0 = 0.48, L = 30``."""
+        return f"{self.symbol('c0')} = {self.text('c0', tube.c0)}, L = {self.text('L', tube.length)}"
+
     def axis_label(self, name: str, words: str | None = None) -> str:
-        """What an axis says: the quantity in words, by default those of ``WORDS``, and its unit."""
-        words, unit = words or WORDS[name], self.unit(name)
+        """What an axis says: the quantity in words, by default those of ``AXES``, and its unit."""
+        words = words or AXES[name].replace("curvature c0", f"curvature {self.symbol('c0')}")
+        unit = re.sub(r"\^(\d)", lambda power: power[1].translate(SUPERSCRIPTS), self.unit(name)).replace("*", " ")
         return f"{words} ({unit})" if unit else words
 
     def note(self) -> str:
         """What a picture says of its unit of length, where that is not the radius; else empty."""
-        return f"radius of the straight tube: {self.radius:g} units" if self.given else ""
+        if self.scale is None:
+            return f"radius of the straight tube: {self.radius:g} units" if self.given else ""
+        kappa = f", bending rigidity: {self.scale.kappa}" if self.scale.kappa else ""
+        return f"radius of the straight tube: {self.radius:g} {self.scale.unit}{kappa}"
 
     def said(self, text: str) -> str:
         """A sentence in the user's unit; one without such numbers stays."""
@@ -188,18 +305,45 @@ class Units:
 
     def told(self, parts: Parts) -> str:
         """The text of a sentence's parts."""
-        return "".join(words.format(**self._fields(values)) if values else words for words, values in parts)
+        return "".join(self._told(words, values) if values else words for words, values in parts)
 
-    def _fields(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        numbers = {
-            name: value if isinstance(value, str) else self.to_user(name, value) for name, value in values.items()
-        }
-        option = f" --radius {self.radius:.12g}" if self.given else ""
-        return (
-            numbers
-            | {f"{name}_unit": self.unit(name) for name in values if name in QUANTITIES}
-            | {"radius_option": option}
-        )
+    def _told(self, words: str, values: Mapping[str, Any]) -> str:
+        """One part: numbers have their units' names, if they have any, unless the words have them."""
+        fields: dict[str, Any] = {"radius_option": self.options()}
+        for name, value in values.items():
+            if name in QUANTITIES:
+                fields[f"{name}_unit"] = self.unit(name)
+            if isinstance(value, str):
+                fields[name] = value
+                continue
+            named = self.scale is not None and f"{{{name}_unit}}" not in words
+            space = "" if re.search(rf"--[\w-]+ \{{{name}\b", words) else " "  # an option's value is one word
+            fields[name] = Measured(self.to_user(name, value), self.unit(name) if named else "", space)
+        return words.replace("c0 = {c0", f"{self.symbol('c0')} = {{c0").format(**fields)
+
+    def options(self) -> str:
+        """What a command needs to be in these units, after a space; nothing in radii."""
+        if self.scale is not None:
+            return self.scale.options(f"{self.radius:.12g}")
+        return f" --radius {self.radius:.12g}" if self.given else ""
+
+    def to_tree(self) -> dict[str, Any]:
+        """As numbers and words, to be saved with what was computed in these units; empty where they are plain numbers."""
+        return {} if self.scale is None else {"radius": self.radius, **self.scale.to_tree()}
+
+    @classmethod
+    def from_tree(cls, tree: Mapping[str, Any]) -> Units:
+        """The inverse of ``to_tree``.
+
+        Raises:
+            ValueError, LookupError, TypeError: something is missing, or does not fit.
+        """
+        return cls(tree["radius"], given=True, scale=Scale.from_tree(tree)) if tree else RADII
+
+
+def headed(table: pd.DataFrame) -> pd.DataFrame:
+    """A table that ``Units.columns`` made, with the units in the names of its columns: ``L[nm]``."""
+    return table.rename(columns=table.attrs.get(HEADER, {}))
 
 
 RADII = Units()

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 
 @click.command(cls=Command, epilog="Example:  pearlbvp amplitude --c0 0 --length 10 --mode 1,1 --plot a.png")
-@click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
-@click.option("--length", type=Number(), required=True, metavar="L", help="Axial period of the tube.")
+@click.option("--c0", type=Number("c0"), required=True, help="Spontaneous curvature.")
+@click.option("--length", type=Number("length"), required=True, metavar="L", help="Axial period of the tube.")
 @click.option("--mode", "modes", type=ModeNumbers(), required=True, multiple=True,
               help="Waves along and around the tube; may be given several times.")  # fmt: skip
 @click.option("--family", type=click.Choice(["pearl", "ring", "coil", "buckle"]),
               help="Of the first mode's branches the one to predict.  [default: the one that is stable]")  # fmt: skip
-@click.option("--largest", type=Number(), metavar="A",
+@click.option("--largest", type=Number("wave"), metavar="A",
               help="Predict up to this amplitude.  [default: 0.2, or less near a resonance]")  # fmt: skip
 @click.option("--branch", type=File(), metavar="FILE.csv",
               help="Write the predicted branch there.")  # fmt: skip
@@ -95,8 +95,8 @@ def amplitude(
     cls=Command,
     epilog="Example:  pearlbvp amplitude-map --c0=-1:0.48:0.02 --lengths 6.5:40:0.5 --plot m.png",
 )
-@click.option("--c0", type=Numbers(), required=True, help="Spontaneous curvatures.")
-@click.option("--lengths", type=Numbers(), required=True, help="Tube lengths.")
+@click.option("--c0", type=Numbers("c0"), required=True, help="Spontaneous curvatures.")
+@click.option("--lengths", type=Numbers("length"), required=True, help="Tube lengths.")
 @click.option(
     "--meetings",
     type=File(),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,31 +11,67 @@ from typing import Any
 import click
 
 from pearlbvp.errors import InputError
-from pearlbvp.units import Sentence, Units
+from pearlbvp.quantities import has_unit
+from pearlbvp.units import QUANTITIES, Sentence, Units
 
 
-class Numbers(click.ParamType):  # type: ignore[type-arg]
-    """A list of numbers: ``15,30,45`` or ``start:stop:step``."""
+class Written(str):
+    """An argument that has a unit: it is read when the units of the command are known (``in_units``)."""
+
+
+class Quantity(click.ParamType):  # type: ignore[type-arg]
+    """What may have a unit."""
+
+    def in_units(self, value: Any, units: Units, param: click.Parameter) -> Any:
+        """What was written, in the user's unit."""
+        raise NotImplementedError
+
+
+class Numbers(Quantity):
+    """A list of numbers: ``15,30,45`` or ``start:stop:step``, of a quantity that may have a unit, or of none."""
 
     name = "numbers"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float]:
+    def __init__(self, quantity: str = "") -> None:
+        self.quantity = quantity
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> list[float] | Written:
         """Parse the text; a range contains both its ends."""
         from pearlbvp.numbers import parse_numbers
 
+        if self.quantity and isinstance(value, str) and any(has_unit(word) for word in re.split("[,:]", value)):
+            return Written(value)
         return value if isinstance(value, list) else parse_numbers(_option(param), value)
 
+    def in_units(self, text: Written, units: Units, param: click.Parameter) -> list[float]:
+        """The numbers in the user's unit."""
+        from pearlbvp.numbers import parse_numbers
 
-class Number(click.ParamType):  # type: ignore[type-arg]
-    """One finite number."""
+        def number(found: re.Match[str]) -> str:
+            return repr(units.number(self.quantity, found[0], _option(param))) if has_unit(found[0]) else found[0]
+
+        return parse_numbers(_option(param), re.sub("[^,:]+", number, text))
+
+
+class Number(Quantity):
+    """One finite number, of a quantity that may have a unit, or of none."""
 
     name = "number"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+    def __init__(self, quantity: str = "") -> None:
+        self.quantity = quantity
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float | Written:
         """Parse the text."""
         from pearlbvp.helfrich import finite
 
+        if self.quantity and isinstance(value, str) and has_unit(value):
+            return Written(value)
         return finite(_option(param), value)
+
+    def in_units(self, text: Written, units: Units, param: click.Parameter) -> float | Written:
+        """The number in the user's unit; a time, which depends on the law of a flow, is left to that."""
+        return text if QUANTITIES[self.quantity].time else units.number(self.quantity, text, _option(param))
 
 
 class File(click.ParamType):  # type: ignore[type-arg]
@@ -52,18 +89,6 @@ class File(click.ParamType):  # type: ignore[type-arg]
 
 def _option(param: click.Parameter | None) -> str:
     return param.opts[0] if param is not None else "argument"
-
-
-class Radius(click.ParamType):  # type: ignore[type-arg]
-    """The radius of the straight tube in the user's unit of length, which everything is converted by."""
-
-    name = "number"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Units:
-        """Parse the text."""
-        from pearlbvp.helfrich import positive
-
-        return value if isinstance(value, Units) else Units(positive(_option(param), value), given=True)
 
 
 class FamilyName(click.ParamType):  # type: ignore[type-arg]
@@ -117,18 +142,25 @@ def check_meshable(length: float) -> None:
         raise InputError(Sentence(text, L=length))
 
 
-class Until(click.ParamType):  # type: ignore[type-arg]
+class Until(Quantity):
     """``NAME=VALUE``, or a special point: ``bp``, ``bp:2``, ``fold:v``, ``fold:v:2``, ``cmc``."""
 
     name = "name=value|kind[:k]"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
+    def in_units(self, several: Sequence[tuple[str, float | Written]], units: Units, param: click.Parameter) -> Any:
+        """The same with values in the user's unit."""
+        return tuple((name, units.number(name, value, _option(param))) for name, value in several)
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, float | Written]:
         """Split and parse the text: column and value, or kind and number, 1 where none is given."""
         from pearlbvp.helfrich import finite
 
         name, equals, number = str(value).partition("=")
         if equals:
-            return name.strip(), finite("--until", number)  # type: ignore[arg-type]
+            name = "c0" if name.strip() == "C0" else name.strip()  # as columns call it where it is that of (2H - C0)^2
+            return name, Written(number) if has_unit(number) else finite("--until", number)  # type: ignore[arg-type]
         kind, _, last = name.strip().rpartition(":")
         kind, count = (kind, int(last)) if kind and last.isdigit() else (name.strip(), 1)
         if kind.partition(":")[0] not in ("bp", "cmc", "fold"):

@@ -22,8 +22,8 @@ from pearlbvp.helfrich import Fixed
     "pearlbvp branch pearl --c0 0.75 --length 10 --shape=-0.3,0.5 --volume 1.0 --until v=1.1",
 )
 @click.argument("family", type=FamilyName())
-@click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
-@click.option("--length", type=Number(), required=True, metavar="L", help="Axial period of the tube.")
+@click.option("--c0", type=Number("c0"), required=True, help="Spontaneous curvature.")
+@click.option("--length", type=Number("length"), required=True, metavar="L", help="Axial period of the tube.")
 @click.option(
     "--mode",
     type=ModeNumbers(),
@@ -56,7 +56,7 @@ from pearlbvp.helfrich import Fixed
     cls=Option,
     needs=("volume",),
     excludes=("nodes", "mode"),
-    type=Numbers(),
+    type=Numbers("shape"),
     metavar="A1,A2,..",
     help="Of pearls: start from the shape of least energy near r = 1 + sum of A_k cos(2 pi k x / L), at --volume.",
 )

@@ -30,12 +30,12 @@ if TYPE_CHECKING:
 @click.argument("files", type=File(), nargs=-1, metavar="[FILE.h5 ...]")
 @click.option("--x", default="v", show_default=True, metavar="COLUMN", help="Drawn to the right: any column.")
 @click.option("--y", default="E", show_default=True, metavar="COLUMN", help="Drawn upwards: any column.")
-@click.option("--c0", cls=Option, excludes=("files",), type=Number(), help="Without files: spontaneous curvature.")
+@click.option("--c0", cls=Option, excludes=("files",), type=Number("c0"), help="Without files: spontaneous curvature.")
 @click.option(
     "--length",
     cls=Option,
     excludes=("files",),
-    type=Number(),
+    type=Number("length"),
     metavar="L",
     help="Without files: axial period of the tube.",
 )

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 
 @click.command(cls=Command, epilog="Example:  pearlbvp dispersion --c0 0.48 --length 30")
-@click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
-@click.option("--length", type=Number(), required=True, metavar="L", help="Axial period of the tube.")
+@click.option("--c0", type=Number("c0"), required=True, help="Spontaneous curvature.")
+@click.option("--length", type=Number("length"), required=True, metavar="L", help="Axial period of the tube.")
 @click.option("--max-m", type=int, help="Most waves along the tube.  [default: all pearls with k < 1 and two more]")
 @click.option("--max-n", type=int, default=4, show_default=True, help="Most waves around the tube.")
 @outputs
@@ -44,6 +44,6 @@ def dispersion(
         from pearlbvp.figures.dispersion import draw_dispersion
 
         curves = instability_curves(tube.c0, max(1.6, float(table["k"].max())), int(table["n"].max()))
-        return draw_dispersion(written, units.columns(curves), f"c0 = {c0:g}, L = {length:g}", units)
+        return draw_dispersion(written, units.columns(curves), units.tube_text(tube), units)
 
     return write(written, out, plot, draw)

@@ -46,8 +46,8 @@ if TYPE_CHECKING:
 @click.option("--from", "source", type=File(), metavar="FILE.h5", help="A saved branch of any family.")
 @click.option("--family", type=FamilyName(), default="pearl", show_default=True,
               help="Without --from: the branch that is followed to --point NAME=VALUE.")  # fmt: skip
-@click.option("--c0", type=Number(), help="Without --from: spontaneous curvature.")
-@click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the tube.")
+@click.option("--c0", type=Number("c0"), help="Without --from: spontaneous curvature.")
+@click.option("--length", type=Number("length"), metavar="L", help="Without --from: axial period of the tube.")
 @click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
 @click.option("--profile", type=File(), metavar="FILE.csv",
               help="Start from radii instead: columns x and r of one period, with --c0 and --length.")  # fmt: skip
@@ -55,21 +55,27 @@ if TYPE_CHECKING:
               help="Start from a triangulated tube instead, one period, with --c0 and --length: VTU, VTP, VTK, PLY, OBJ, STL, "
               "OFF or MSH, repaired where needed.")  # fmt: skip
 @click.option(
-    "--pressure", type=Number(), default=0.0, show_default=True, help="With --profile or --mesh, --law area: lambda2."
+    "--pressure",
+    type=Number("pressure"),
+    default=0.0,
+    show_default=True,
+    help="With --profile or --mesh, --law area: lambda2.",
 )
 @click.option("--point", default="-1", show_default=True, metavar="K|NAME=VALUE|A2",
               help="The start: a point's number, a column's value, or a name of the paper.")  # fmt: skip
 @click.option("--perturb", type=click.Choice(["bump", "critical", "none"]), default="bump", show_default=True,
               help="A bump, or the most unstable vector.")  # fmt: skip
-@click.option("--delta", type=Number(), default=-0.125, show_default="-0.125 R", help="Size of the perturbation.")
+@click.option(
+    "--delta", type=Number("delta"), default=-0.125, show_default="-0.125 R", help="Size of the perturbation."
+)
 @click.option(
     "--xi",
-    type=Number(),
+    type=Number("xi"),
     default=1.0,
     show_default="1/R^2",
     help="The bump is 1/(1 + xi x^2), on tubes and meshes times cos(phi).",
 )
-@click.option("--centre", type=Number(), default=0.0, show_default=True, help="Axial position of the bump.")
+@click.option("--centre", type=Number("centre"), default=0.0, show_default=True, help="Axial position of the bump.")
 @click.option("--keep", is_flag=True, help="Move the perturbed shape back to the area and volume it had.")
 @click.option("--law", type=click.Choice(["area and volume", "area", "diffusion"]), default="area and volume",
               show_default=True, help="What is kept; area: at given pressure; diffusion: the H^-1 flow.")  # fmt: skip
@@ -81,9 +87,13 @@ if TYPE_CHECKING:
 @click.option("--nodes", type=int, metavar="N", help="Let the shape flow as a triangulated tube of so many vertices.")
 @click.option("--discretization", type=click.Choice(["subdivision", "cotangent"]), default="subdivision",
               show_default=True, help="Of a triangulated tube.")  # fmt: skip
-@click.option("--time", "until", type=Number(), help="Stop at that time.")
+@click.option("--time", "until", type=Number("t"), help="Stop at that time.")
 @click.option(
-    "--velocity", type=Number(), default=1e-6, show_default="1e-6 / R^3", help="A stable shape slower than this rests."
+    "--velocity",
+    type=Number("velocity"),
+    default=1e-6,
+    show_default="1e-6 / R^3",
+    help="A stable shape slower than this rests.",
 )
 @click.option("--max-seconds", type=Number(), default=600.0, show_default=True, help="Give up after so long.")
 @click.option("--save", type=File(), metavar="FILE.h5", help="Save the flow, also on the way.")
@@ -125,10 +135,8 @@ def flow(
     that of length^4 (by --law diffusion of length^6). Saved flows are in radii: give --radius again to resume one.
     """
     from pearlbvp.files import writable, write_whole
-    from pearlbvp.helfrich import positive
     from pearlbvp.studies import saved
 
-    velocity = positive("velocity", velocity)
     given, branch = options_given(click.get_current_context()), None
     if source is not None:
         branch = saved.load(source, "--from")
@@ -155,7 +163,7 @@ def flow(
     with progress("step") as bar:
 
         def checkpoint(state: Any) -> None:
-            bar.set_postfix(t=f"{units.to_user('t', state.t):.5g}", refresh=False)
+            bar.set_postfix(t=units.text("t", state.t, ".5g"), refresh=False)
             bar.update(len(state.record.rows["t"]) - bar.n)
             if save is not None:
                 with contextlib.suppress(InputError):  # on a full disk, which may have room again
@@ -171,16 +179,16 @@ def flow(
                 raise (error.named(_origin(start)) if error.argument == "q" else error) from None
         units = units.of_flow(state.problem.law)
         settings: dict[str, Any] = {
-            "velocity": units.from_user("velocity", velocity) if "velocity" in given else velocity,
+            "velocity": _rate(units, "velocity", velocity) if "velocity" in given else velocity,
             "max_seconds": max_seconds,
             "checkpoint": checkpoint,
             "every": 2.0,
         }
         if until is not None:
-            settings["until"] = units.from_user("t", positive("until", until))
+            settings["until"] = _rate(units, "t", until, "until")
             if settings["until"] <= state.t * (1 + NEXT):
-                now = units.to_user("t", state.t)
-                raise InputError(f"--time: the saved flow is at t = {now:g} already; give a later time")
+                now = units.text("t", state.t)
+                raise InputError(f"--time: the saved flow is at t = {now} already; give a later time")
         result = resumed(state, FlowOptions(**settings))
     table = units.columns(result.table(), area=NUMBER)  # by that of the straight tube
     end = cache(lambda: _end(result, save_end, units))  # which takes a while: after the table is written
@@ -211,6 +219,13 @@ def flow(
     if result.status == "interrupted":
         return INTERRUPTED
     return DONE if result.complete and (save_end is None or branch is not None) else SOME_FAILED
+
+
+def _rate(units: Units, quantity: str, value: str | float, argument: str = "velocity") -> float:
+    """A positive time or velocity of a flow, whose law the units know, in radii."""
+    from pearlbvp.helfrich import positive
+
+    return units.from_user(quantity, positive(argument, units.number(quantity, value, argument)))
 
 
 def _origin(start: dict[str, Any]) -> str:
@@ -293,7 +308,7 @@ def _end(result: Any, save_end: Path | None, units: Units) -> tuple[Any, str]:
     counted = f"n_unstable = {spectrum.n_unstable}"
     if result.state.problem.law != "diffusion":  # whose equilibria are stable alike, but at other rates
         rate = similarity(result.equilibrium).to_user("mu_crit", spectrum.mu_crit)
-        counted += f", mu_crit = {units.to_user('mu_crit', rate):.4g} ({spectrum.critical})"
+        counted += f", mu_crit = {units.text('mu_crit', rate, '.4g')} ({spectrum.critical})"
     return branch, f"{described(result.equilibrium)}; to all perturbations of this tube: {counted}"
 
 

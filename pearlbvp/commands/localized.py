@@ -22,9 +22,11 @@ if TYPE_CHECKING:
     cls=Command,
     epilog="Example:  pearlbvp localized --c0 0.48 --period 7.5 --lengths 15,30,45,60 --out t.csv --plot t.png",
 )
-@click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
-@click.option("--period", type=Number(), required=True, metavar="P", help="Axial period of the pearls, above 2 pi.")
-@click.option("--lengths", type=Numbers(), required=True, help="Tube lengths, multiples of the period.")
+@click.option("--c0", type=Number("c0"), required=True, help="Spontaneous curvature.")
+@click.option(
+    "--period", type=Number("period"), required=True, metavar="P", help="Axial period of the pearls, above 2 pi."
+)
+@click.option("--lengths", type=Numbers("length"), required=True, help="Tube lengths, multiples of the period.")
 @click.option("--compare", type=File(), metavar="FILE.csv",
               help="Put this table's columns beside the rows that agree in c0, period and L; v_... is drawn too.")  # fmt: skip
 @outputs

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 @click.option("--from", "source", type=File(), metavar="FILE.h5", help="A saved branch of any family.")
 @click.option("--point", default="-1", show_default=True, metavar="K|NAME=VALUE|A2",
               help="With --from: a point's number, a column's value, or a name of the paper.")  # fmt: skip
-@click.option("--length", type=Number(), metavar="L", help="Without --from: axial period of the straight tube.")
-@click.option("--c0", type=Number(), help="Without --from: spontaneous curvature, for the energy.  [default: 0]")
+@click.option("--length", type=Number("length"), metavar="L", help="Without --from: axial period of the straight tube.")
+@click.option("--c0", type=Number("c0"), help="Without --from: spontaneous curvature, for the energy.  [default: 0]")
 @click.option("--nodes", type=Nodes(), metavar="N", help="Vertices, to within a tenth.  [default: 3000]")
 @click.option("--discretization", type=click.Choice(["subdivision", "cotangent"]), default="subdivision",
               show_default=True, help="Of the energy, and with --solve of the equilibrium.")  # fmt: skip
@@ -81,7 +81,7 @@ def mesh(
 
             tube = units.tube(c0 or 0.0, length)  # type: ignore[arg-type]
             check_meshable(tube.length)
-            surface, title = tube_mesh(tube.length, nodes), f"straight tube, L = {length:g}"
+            surface, title = tube_mesh(tube.length, nodes), f"straight tube, L = {units.text('L', tube.length)}"
             table = mesh_table(surface, tube.c0, discretization)
         else:
             from pearlbvp.studies import saved
@@ -93,7 +93,7 @@ def mesh(
             if own and at.problem.own_mesh(at.u) is not None:
                 raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
             surface, table = _of_a_point(at, nodes, discretization, solve, bar)
-            title = f"v = {at.observables['v']:.4f}, L = {units.to_user('L', at.observables['L']):g}"
+            title = f"v = {at.observables['v']:.4f}, L = {units.text('L', at.observables['L'])}"
         bar.update()
     others: list[Callable[[], object]] = []
     if out is not None:

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pearlbvp.commands.arguments import File, Radius
+from pearlbvp.commands.arguments import File
 from pearlbvp.commands.command import of_this_command
 from pearlbvp.errors import InputError
 from pearlbvp.messages import drop, say, why_not_written
-from pearlbvp.units import RADII
+from pearlbvp.scale import CONVENTIONS
+from pearlbvp.units import headed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,18 +40,29 @@ def outputs(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-radius_option = click.option(
-    "--radius", "units", type=Radius(), default=RADII, show_default="1: the unit is the radius", metavar="R",
-    help="Radius of the straight tube, in the unit of all lengths given and written.",
-)  # fmt: skip
-"""For commands that convert all that is given and written by the ``Units`` that they are called with."""
+def radius_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """For commands that convert all that is given and written by the ``units`` that they are called with: their options."""
+    for decorate in (
+        click.option("--convention", type=click.Choice(list(CONVENTIONS)), default="physicists", show_default=True,
+                     help="Of kappa and c0 with --radius 50nm: physicists write kappa/2 (2H - c0)^2, Mem3DG kappa (H - c0)^2, "
+                     "where kappa is twice theirs and c0 half of theirs. Without units c0 is the latter."),
+        click.option("--temperature", metavar="T", help="Of kT.  [default: 310K]"),
+        click.option("--kappa", metavar="KAPPA",
+                     help="Bending rigidity, like 20kT: tensions are then in mN/m, pressures in Pa, forces in pN."),
+        click.option("--radius", metavar="R",
+                     help="Radius of the straight tube, like 50nm: then all that is given may have a unit, and columns have "
+                     "theirs in their names, like L[nm]; numbers without one are in those. Or a number, in one's own unit.  "
+                     "[default: 1: the unit is the radius]"),
+    ):  # fmt: skip
+        command = decorate(command)
+    return command
 
 
 def write_table(option: str, path: Path, table: pd.DataFrame) -> None:
     """Write a table as CSV, beside its name and renamed; ``option`` is what an error names."""
     from pearlbvp.files import write_whole
 
-    write_whole(option, path, lambda beside: table.to_csv(beside, index=False, float_format="%.12g"))
+    write_whole(option, path, lambda beside: headed(table).to_csv(beside, index=False, float_format="%.12g"))
 
 
 def write_frame(option: str, path: Path, table: pd.DataFrame) -> None:
@@ -65,7 +77,7 @@ def write_frame(option: str, path: Path, table: pd.DataFrame) -> None:
         write_table(option, path, table)
         return
     try:
-        write_whole(option, path, lambda beside: table.to_parquet(beside, index=False))
+        write_whole(option, path, lambda beside: headed(table).to_parquet(beside, index=False))
     except ImportError:
         raise InputError(f"{option}: Parquet needs pyarrow; install pearlbvp[parquet], or write .csv") from None
 
@@ -73,7 +85,7 @@ def write_frame(option: str, path: Path, table: pd.DataFrame) -> None:
 def print_table(table: pd.DataFrame) -> None:
     """Write a table on standard output."""
     try:
-        sys.stdout.write(table.to_csv(index=False, float_format="%.12g"))
+        sys.stdout.write(headed(table).to_csv(index=False, float_format="%.12g"))
         sys.stdout.flush()
     except BrokenPipeError:  # the reader has had enough, which is no failure
         raise

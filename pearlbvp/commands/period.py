@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 
 @click.command(cls=Command, epilog="Example:  pearlbvp period --c0 0.48 --lengths 7.5:120:0.5 --out p.csv --plot p.png")
-@click.option("--c0", type=Numbers(), required=True, help="Spontaneous curvature, one or several.")
-@click.option("--lengths", type=Numbers(), required=True, help="Tube lengths.")
+@click.option("--c0", type=Numbers("c0"), required=True, help="Spontaneous curvature, one or several.")
+@click.option("--lengths", type=Numbers("length"), required=True, help="Tube lengths.")
 @click.option(
     "--volume", type=Number(), help="Find the number of equal pearls of least energy at this reduced volume, too."
 )

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     cls=Command,
     epilog="Example:  pearlbvp region --c0 0.48 --periods 6.6:10:0.1 --pearls 2,4,8 --out r.csv --plot r.png",
 )
-@click.option("--c0", type=Number(), required=True, help="Spontaneous curvature.")
-@click.option("--periods", type=Numbers(), required=True, help="Axial periods of one pearl, above 2 pi.")
+@click.option("--c0", type=Number("c0"), required=True, help="Spontaneous curvature.")
+@click.option("--periods", type=Numbers("period"), required=True, help="Axial periods of one pearl, above 2 pi.")
 @click.option(
     "--pearls", type=Numbers(), default="2,3,4,6,8,16", show_default=True, help="Numbers of pearls on the tube."
 )

@@ -21,6 +21,7 @@ from pearlbvp.commands.output import (
     radius_option,
     write_frame,
 )
+from pearlbvp.commands.units import enter_units
 from pearlbvp.errors import InputError
 from pearlbvp.messages import say
 from pearlbvp.scans.questions import QUESTIONS, Question
@@ -41,10 +42,10 @@ class Periods(Numbers):
 
 
 OPTIONS: Mapping[str, Callable[[Any], Any]] = {
-    "c0": click.option("--c0", type=Numbers(), required=True, help="Spontaneous curvatures."),
-    "L": click.option("--lengths", "L", type=Numbers(), required=True, metavar="NUMBERS", help="Tube lengths."),
+    "c0": click.option("--c0", type=Numbers("c0"), required=True, help="Spontaneous curvatures."),
+    "L": click.option("--lengths", "L", type=Numbers("length"), required=True, metavar="NUMBERS", help="Tube lengths."),
     "period": click.option(
-        "--period", type=Periods(), required=True, metavar="NUMBERS|critical",
+        "--period", type=Periods("period"), required=True, metavar="NUMBERS|critical",
         help="Periods of the pearls, or that of the pearls that each tube loses its stability to.",
     ),
     "pearls": click.option("--pearls", type=Numbers(), default="2,3,4,6,8,16", show_default=True, help="On the tube."),
@@ -81,6 +82,7 @@ class Scan(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run a question's command, or the group's own, in the words of the command line."""
         try:
+            enter_units(ctx)
             return super().invoke(ctx)
         except InputError as error:
             raise InputError(as_typed(str(error), self.params)) from None

@@ -9,7 +9,7 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
-from pearlbvp.units import RADII, WORDS, Units
+from pearlbvp.units import AXES, RADII, Units
 
 MOST_NAMED = 8
 """Curves that get a line each in the legend; of more, every so many."""
@@ -38,7 +38,7 @@ def draw_scan(table: pd.DataFrame, parameters: Sequence[str], drawn: str, units:
         shown = rows.dropna(subset=[drawn]).sort_values(along)
         label = named if i % every == 0 and named else None
         axes.plot(shown[along], shown[drawn].astype(float), ".-", color=colour, markersize=3, linewidth=1, label=label)
-    dress(axes, *(units.axis_label(name, WORDS.get(name, name)) for name in (along, drawn)))
+    dress(axes, *(units.axis_label(name, AXES.get(name, name)) for name in (along, drawn)))
     note_unit(figure, units)
     if others and len(table):
         add_legend(axes, fontsize="small")
