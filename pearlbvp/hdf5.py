@@ -171,6 +171,25 @@ def kind_of(name: str, path: str | os.PathLike[str]) -> str:
     return other[1].decode() if other else ""
 
 
+def group_of(name: str, path: str | os.PathLike[str], group: str) -> dict[str, Any]:
+    """A group of numbers and words of a saved file; empty where there is none, or no such file, which its reader refuses.
+
+    Args:
+        name: the argument's name, for the messages.
+        path: of the file.
+        group: its name.
+
+    Raises:
+        ValueError, LookupError, TypeError: it holds what is never written.
+    """
+    try:
+        image = _unsealed(name, path, kind_of(name, path), read_whole(name, path), "")
+    except InputError:
+        return {}
+    with h5py.File(h5py.h5f.open_file_image(image), "r") as file:
+        return _Reader(len(image), frozenset()).group(file[group], 1) if group in file else {}
+
+
 def _what(kind: str) -> str:
     return kind.removeprefix("pearlbvp ")
 

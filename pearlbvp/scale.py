@@ -138,6 +138,15 @@ class Scale:
         convention = "" if self.convention == "physicists" else f" --convention {self.convention}"
         return f" --radius {radius}{self.unit}{kappa}{convention}"
 
+    def texts(self, radius: str) -> dict[str, str]:
+        """What ``of`` makes it from."""
+        texts = {
+            "radius": f"{radius}{self.unit}",
+            "temperature": f"{self.temperature!r}K",
+            "convention": self.convention,
+        }
+        return texts | {"kappa": self.kappa} if self.kappa else texts
+
     def to_tree(self) -> dict[str, Any]:
         """As numbers and words, to be saved."""
         tree = {"unit": self.unit, "metre": self.metre, "temperature": self.temperature, "convention": self.convention}

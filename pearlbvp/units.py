@@ -186,8 +186,7 @@ class Units:
 
         Args:
             name: of the quantity; one that means nothing stays as it is, for the study to refuse.
-            text: ``500``, ``"500nm"``.
-            argument: the argument's name, for the message.
+            text, argument: ``500`` or ``"500nm"``, and the argument's name, for the message.
 
         Raises:
             InputError: it is neither, not finite, of another dimension, or the radius or the rigidity is missing that it needs.
@@ -280,11 +279,15 @@ class Units:
 
     def text(self, name: str, value: float, form: str = "g") -> str:
         """A quantity of a tube of radius 1 in the user's unit, which is written where it has a name."""
-        return format(Measured(self.to_user(name, value), self.unit(name) if self.scale else "", " "), form)
+        return format(self.measured(name, value), form)
 
-    def tube_text(self, tube: Tube) -> str:
+    def measured(self, name: str, value: float) -> Measured:
+        """The same, to be formatted."""
+        return Measured(self.to_user(name, value), self.unit(name) if self.scale else "")
+
+    def tube_text(self, tube: Tube, form: str = "g") -> str:
         """A tube in the user's unit: ``c0 = 0.48, L = 30``."""
-        return f"{self.symbol('c0')} = {self.text('c0', tube.c0)}, L = {self.text('L', tube.length)}"
+        return f"{self.symbol('c0')} = {self.text('c0', tube.c0, form)}, L = {self.text('L', tube.length, form)}"
 
     def axis_label(self, name: str, words: str | None = None) -> str:
         """What an axis says: the quantity in words, by default those of ``AXES``, and its unit."""
@@ -331,6 +334,10 @@ class Units:
         """As numbers and words, to be saved with what was computed in these units; empty where they are plain numbers."""
         return {} if self.scale is None else {"radius": self.radius, **self.scale.to_tree()}
 
+    def texts(self) -> dict[str, str]:
+        """What ``of`` makes them from."""
+        return {} if self.scale is None else self.scale.texts(f"{self.radius!r}")
+
     @classmethod
     def from_tree(cls, tree: Mapping[str, Any]) -> Units:
         """The inverse of ``to_tree``.
@@ -347,7 +354,7 @@ def headed(table: pd.DataFrame) -> pd.DataFrame:
 
 
 RADII = Units()
-"""The radius of the straight tube as the unit of length."""
+"""The radius is the unit of length."""
 
 
 class Sentence(str):

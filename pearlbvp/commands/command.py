@@ -8,16 +8,12 @@ from typing import Any
 
 import click
 
-from pearlbvp.commands.arguments import Quantity, Until, Written
+from pearlbvp.commands.units import enter_units
 from pearlbvp.errors import InputError
 from pearlbvp.units import RADII, Units
 
 ALSO = {"length": ("--periods", "--period", "--lengths"), "v": ("--volume",)}
 """Options that hold what the package calls otherwise, where a command has none of its name."""
-
-
-UNITS = ("radius", "kappa", "temperature", "convention")
-"""Parameters that say in which units a command is."""
 
 
 class Option(click.Option):
@@ -88,33 +84,10 @@ class Command(click.Command):
         """
         try:
             check_options(ctx)
-            _enter_units(ctx)
+            enter_units(ctx)
             return super().invoke(ctx)
         except InputError as error:
             raise InputError(as_typed(_units(ctx).said(error.args[0]), self.params)) from None
-
-
-def _enter_units(context: click.Context) -> None:
-    """Put a command's ``units`` in the place of the options that make them, and its arguments with units into those.
-
-    Raises:
-        InputError: an argument that cannot be used.
-    """
-    given = {name: context.params.pop(name) for name in UNITS if name in context.params}
-    if not given:
-        return
-    units = (
-        RADII
-        if given["radius"] is None and given["kappa"] is None
-        else Units.of(**given | {"radius": given["radius"] or "1"})
-    )
-    context.params["units"] = units
-    for param in context.command.params:
-        value = context.params.get(str(param.name))
-        if isinstance(param.type, Quantity) and (
-            isinstance(value, Written) or (isinstance(param.type, Until) and value)
-        ):
-            context.params[str(param.name)] = param.type.in_units(value, units, param)
 
 
 def as_typed(message: str, params: Sequence[click.Parameter]) -> str:

@@ -167,7 +167,7 @@ def flow(
             bar.update(len(state.record.rows["t"]) - bar.n)
             if save is not None:
                 with contextlib.suppress(InputError):  # on a full disk, which may have room again
-                    study.save(state, save, "--save")
+                    study.save(state, save, "--save", units)
 
         if resume is not None:
             state = study.load(resume, "--resume")
@@ -205,9 +205,9 @@ def flow(
 
     others: list[Callable[[], object]] = []
     if save is not None:
-        others.append(lambda: study.save(result.state, save, "--save"))
+        others.append(lambda: study.save(result.state, save, "--save", units))
     if save_end is not None:
-        others.append(lambda: None if end()[0] is None else saved.save(end()[0], save_end, "--save-end"))
+        others.append(lambda: None if end()[0] is None else saved.save(end()[0], save_end, "--save-end", units))
     if movie is not None:
         others.append(lambda: write_whole("--movie", movie, write_frames))
     write(table, out, plot, draw, others)

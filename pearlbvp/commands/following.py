@@ -109,7 +109,7 @@ class Following:
         with progress("point") as bar:
             from pearlbvp.studies.branch import branch_options
 
-            checkpoint = _Checkpoint(self.save)
+            checkpoint = _Checkpoint(self.save, self.units)
 
             def count(so_far: Branch[Any]) -> None:
                 bar.set_postfix(v=f"{so_far.points[-1].observables['v']:.5f}", refresh=False)
@@ -129,7 +129,7 @@ class Following:
         from pearlbvp.studies.branch import shown
 
         table = self.units.columns(shown(found.table()))
-        saves = [] if self.save is None else [lambda: saved.save(found, self.save, "--save")]  # type: ignore[arg-type]
+        saves = [] if self.save is None else [lambda: saved.save(found, self.save, "--save", self.units)]  # type: ignore[arg-type]
 
         def draw() -> Figure:
             from pearlbvp.figures.branch import draw_branch
@@ -157,13 +157,13 @@ class Following:
 class _Checkpoint:
     """Saves the branch so far now and then, so that a run that is killed keeps its points."""
 
-    def __init__(self, path: Path | None, seconds: float = 2.0) -> None:
-        self.path, self.seconds, self.last = path, seconds, time.monotonic()
+    def __init__(self, path: Path | None, units: Units, seconds: float = 2.0) -> None:
+        self.path, self.units, self.seconds, self.last = path, units, seconds, time.monotonic()
 
     def __call__(self, branch: Any) -> None:
         if self.path is not None and time.monotonic() - self.last > self.seconds:
             from pearlbvp.studies.saved import save
 
             with contextlib.suppress(InputError):  # a full disk may have room again; the end says what was not saved
-                save(branch, self.path)
+                save(branch, self.path, units=self.units)
             self.last = time.monotonic()

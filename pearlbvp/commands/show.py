@@ -161,7 +161,7 @@ def _branch(
     status = write(table, out, plot, draw, others)
     if note:
         say(units.said(note))
-    say(branch.described(units.said, units.to_user), begin="")
+    say(branch.described(units.said, units.measured, units.symbol), begin="")
     return status
 
 
@@ -181,11 +181,13 @@ def _surface_writer(at: Any, nodes: int, path: Path, units: Units) -> Callable[[
 
 def _flow(file: Path, out: Path | None, plot: Path | None, units: Units) -> int:
     """Show a saved flow."""
+    from pearlbvp.helfrich import Tube
     from pearlbvp.studies.flow import load
+    from pearlbvp.units import NUMBER
 
     state = load(file, "FILE")
     units = units.of_flow(state.problem.law)
-    table = units.columns(state.record.table())
+    table = units.columns(state.record.table(), area=NUMBER)  # by that of the straight tube
 
     def draw() -> Figure:
         from pearlbvp.figures.flow import draw_flow
@@ -194,9 +196,9 @@ def _flow(file: Path, out: Path | None, plot: Path | None, units: Units) -> int:
 
     write(table, out, plot, draw)
     model = getattr(state.problem, "reference", state.problem)  # of a flow on a mesh, that knows the model
-    c0, length = units.to_user("c0", model.c0), units.to_user("L", model.length)
+    tube = units.tube_text(Tube(model.c0, model.length), ".8g")
     say(
-        f"a flow, saved at t = {units.to_user('t', state.t):.8g}: {len(table)} steps, c0 = {c0:.8g}, L = {length:.8g}\n"
+        f"a flow, saved at t = {units.text('t', state.t, '.8g')}: {len(table)} steps, {tube}\n"
         f"  it goes on with pearlbvp flow --resume {file}, which can save its end (--save-end)",
         begin="",
     )

@@ -81,17 +81,25 @@ class Branch(Generic[P]):
     def __repr__(self) -> str:
         return self.described()
 
-    def described(self, said: Callable[[str], str] = str, in_units: Callable[[str, float], float] | None = None) -> str:
+    def described(
+        self,
+        said: Callable[[str], str] = str,
+        in_units: Callable[[str, float], float] = lambda _, value: value,
+        symbol: Callable[[str], str] = str,
+    ) -> str:
         """What it is of, where it leads, what happens on it, why it ends: a few lines.
 
         Args:
             said: puts a sentence into a user's units.
             in_units: the same of a number, by its name.
+            symbol: what the number is called in them.
         """
         problem, count = self.points[-1].problem, len(self.points)
-        names, converted = problem.headline, in_units or (lambda _, value: value)
         words = [f"{problem.family} branch", f"{count} point{'s' if count > 1 else ''}"]
-        words += [f"{name} = {span([converted(name, p.observables[name]) for p in self.points])}" for name in names]
+        words += [
+            f"{symbol(name)} = {span([in_units(name, point.observables[name]) for point in self.points])}"
+            for name in problem.headline
+        ]
         within = [special for special in self.special if special.kind not in ("start", "stop", "end")]
         lines = [", ".join(words), *(f"  {self._said_of(special)}" for special in within[:MOST_SPECIAL])]
         if len(within) > MOST_SPECIAL:

@@ -13,6 +13,7 @@ from pearlbvp.flows.problem import FlowProblem
 from pearlbvp.flows.record import FlowState
 from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.hdf5 import load_tree, save_tree
+from pearlbvp.units import RADII, Units
 
 KINDS: dict[str, Any] = {"graph": GraphFlow, "tube": TubeFlow, "mesh": MeshFlow}
 
@@ -23,18 +24,19 @@ def _problem(tree: Mapping[str, Any]) -> FlowProblem:
     return found
 
 
-def save(state: FlowState, path: str | os.PathLike[str], name: str = "path") -> None:
+def save(state: FlowState, path: str | os.PathLike[str], name: str = "path", units: Units = RADII) -> None:
     """Save a flow's state and record as HDF5, whole or not at all.
 
     Args:
         state: of a flow.
         path: where to.
         name: the argument's name, for the message.
+        units: in which it is shown when it is loaded.
 
     Raises:
         InputError: the place cannot be written to.
     """
-    save_tree(name, path, KIND, state_tree(state))
+    save_tree(name, path, KIND, state_tree(state) | {"units": units.to_tree()})
 
 
 def load(path: str | os.PathLike[str], name: str = "path") -> FlowState:

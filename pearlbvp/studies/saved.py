@@ -12,20 +12,22 @@ from pearlbvp.files import shortened
 from pearlbvp.hdf5 import load_tree, save_tree
 from pearlbvp.studies import families
 from pearlbvp.studies.branch import known_branch
+from pearlbvp.units import RADII, Units
 
 
-def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "path") -> None:
+def save(branch: Branch[Any], path: str | os.PathLike[str], name: str = "path", units: Units = RADII) -> None:
     """Save a branch as HDF5, whole or not at all.
 
     Args:
         branch: any.
         path: where to.
         name: the argument's name, for the message.
+        units: in which it is shown when it is loaded.
 
     Raises:
         InputError: the place cannot be written to.
     """
-    save_tree(name, path, KIND, branch_tree(known_branch(branch)))
+    save_tree(name, path, KIND, branch_tree(known_branch(branch)) | {"units": units.to_tree()})
 
 
 def load(path: str | os.PathLike[str], name: str = "path") -> Branch[Any]:
