@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from pearlbvp.errors import InputError
 from pearlbvp.files import MOST_TEXT, read_whole
@@ -18,19 +18,36 @@ WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1")
 """How files of spreadsheet programs begin, those of today and older ones."""
 
 
+class Table(dict[str, list[float]]):
+    """Columns of numbers by their names.
+
+    Attributes:
+        headings: the names as they are written, with units: ``L[nm]``.
+    """
+
+    def __init__(self, columns: Mapping[str, list[float]], headings: Mapping[str, str]) -> None:
+        super().__init__(columns)
+        self.headings = headings
+
+
+def name_of(heading: str) -> str:
+    """A column's name without the unit that stands in brackets behind it: ``L`` of ``L[nm]``."""
+    return heading.partition("[")[0].strip() if heading.endswith("]") else heading
+
+
 def read_table(
     name: str,
     path: str | os.PathLike[str],
     columns: Sequence[str] | None = None,
     unnamed: Sequence[str] = (),
     optional: Sequence[str] = (),
-) -> dict[str, list[float]]:
+) -> Table:
     """Columns of a table in a file.
 
     The first line that is no comment is the header; the one before it, if that is a comment with the wanted names. Separators
     are commas, semicolons, tabs or spaces; decimal commas are read where the separator is another, or in quotation marks.
-    Spaces around names, a byte-order mark, and Excel's first line that names the separator are no part of them; capital and
-    small letters are one where no name is the very one. Empty entries are NaN, empty rows are
+    Spaces around names, a byte-order mark, Excel's first line that names the separator, and a unit in brackets behind a name
+    are no part of them; capital and small letters are one where no name is the very one. Empty entries are NaN, empty rows are
     none; what is written must be finite.
 
     Args:
@@ -49,7 +66,8 @@ def read_table(
         raise InputError(f"{name}: {path} holds no table; it needs a header and at least one row")
     header, first = [word.strip().strip("\ufeff") for word in rows[0]], 2
     if all(_is_number(word) for word in header):
-        header = above if columns and set(columns) <= set(above) and len(above) == len(header) else list(unnamed)
+        named = columns and set(columns) <= set(map(name_of, above)) and len(above) == len(header)
+        header = above if named else list(unnamed)
         first = 1
         if len(header) != len(rows[0]):
             wanted = ", ".join(columns or unnamed)
@@ -78,20 +96,21 @@ def read_table(
     if twice:
         raise InputError(f"{name}: {path} has two columns {twice[0]!r}; rename one of them")
     places = [(header.index(column), column) for column in chosen]
-    return {
-        column: [_number(name, path, row[i], column, k) for k, row in enumerate(rows, first)] for i, column in places
-    }
+    return Table(
+        {column: [_number(name, path, row[i], column, k) for k, row in enumerate(rows, first)] for i, column in places},
+        {column: written[i] for i, column in places},
+    )
 
 
 def _as_wanted(name: str, path: str | os.PathLike[str], header: list[str], wanted: Sequence[str]) -> list[str]:
-    """The header with the names that are wanted written as they are wanted: ``X`` is ``x`` where there is no ``x``.
+    """The header with the names that are wanted as they are wanted: ``X`` and ``x[nm]`` are ``x`` where there is no ``x``.
 
     Raises:
         InputError: two columns could be one that is wanted.
     """
     found = list(header)
     for column in wanted:
-        places = [i for i, own in enumerate(header) if own.casefold() == column.casefold()]
+        places = [i for i, own in enumerate(header) if name_of(own).casefold() == column.casefold()]
         if column in header or not places:
             continue
         if len(places) > 1:

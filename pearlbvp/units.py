@@ -1,8 +1,9 @@
-"""Units: the one place that knows the dimension of every quantity, and the units in which a user reads and writes it.
+"""Units: the one place that converts quantities into those in which a user reads and writes them.
 
 The package computes with tubes of radius 1 and energies that count in ``2 kappa``. A tube of any radius is similar to one of
 those (paper, §1): what is given is converted at the door, and what is written - columns, axes, sentences, surfaces - on its
-way out, both by the dimension that a quantity's name has here. By a radius that is a plain number, energies and the flow's
+way out, both by the dimension that a quantity's name has
+(``dimensions``). By a radius that is a plain number, energies and the flow's
 mobility are 1, so that tension, pressure and energy by area are powers of length, and so is time, whose power depends on the
 flow. By a radius with a unit, lengths have that unit; with a bending rigidity, energies are physical, too (``scale``).
 
@@ -17,24 +18,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, SupportsIndex, TypeVar
 
+from pearlbvp.dimensions import AXES, LAW, QUANTITIES, TIME_POWERS
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, finite, positive
-from pearlbvp.quantities import (
-    AREA,
-    CURVATURE,
-    ENERGY,
-    FORCE,
-    LENGTH,
-    NUMBER,
-    PRESSURE,
-    TENSION,
-    VOLUME,
-    Dimension,
-    Measured,
-    has_unit,
-    read,
-)
-from pearlbvp.scale import Scale
+from pearlbvp.quantities import Dimension, Measured, has_unit, read
+from pearlbvp.scale import CONVENTIONS, Scale
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,36 +35,6 @@ Parts = tuple[tuple[str, Mapping[str, Any]], ...]
 
 Surface = TypeVar("Surface")
 """A triangulated surface: a dataclass with ``vertices`` and ``length``."""
-
-SPONTANEOUS = Dimension(-1, spontaneous=1)
-TIME, RATE, VELOCITY = Dimension(time=1), Dimension(time=-1), Dimension(1, -1)
-"""Of the gradient flow, whose velocity is a pressure times a mobility."""
-
-QUANTITIES: Mapping[str, Dimension] = {
-    **dict.fromkeys(("L", "length", "period", "x", "r", "y", "z", "r_min", "r_max", "amplitude", "wave", "gap",
-                     "delta", "centre", "shape", "edge", "M"), LENGTH),
-    **dict.fromkeys(("k", "H"), CURVATURE), "c0": SPONTANEOUS, "force": FORCE, "torque": ENERGY,
-    **dict.fromkeys(("lambda1", "E", "E_least_energy"), TENSION),
-    **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "pressure"), PRESSURE),
-    "area": AREA, "volume": VOLUME, "volume_by_length": AREA, "xi": Dimension(-2),
-    "t": TIME, "velocity": VELOCITY, **dict.fromkeys(("mu_crit", "mu_error", "rate"), RATE),
-    **dict.fromkeys(("v", "v_localized", "v_reduced", "area_error", "volume_error", "quality_worst", "quality_mean",
-                     "m", "n", "point", "pearls", "pearls_least_energy", "kernel", "n_unstable", "nodes", "triangles",
-                     "slope", "phi", "psi", "vertex", "i", "j"), NUMBER),
-}  # fmt: skip
-"""Dimensions by the names that columns, options and the numbers of sentences have."""
-
-AXES: Mapping[str, str] = {
-    "L": "length L", "x": "axial position x", "k": "wave number k", "c0": "spontaneous curvature c0",
-    "v": "reduced volume v", "E": "energy by area E/A", "lambda1": "tension lambda1", "lambda2": "pressure lambda2",
-    "force": "axial force", "torque": "torque", "M": "integrated mean curvature M",
-    "t": "time t", "velocity": "largest velocity", "r": "distance from the axis",
-}  # fmt: skip
-"""What the axes of pictures say of quantities, before their units."""
-
-LAW = "area and volume"
-TIME_POWERS: Mapping[str, int] = {LAW: 4, "area": 4, "diffusion": 6}
-"""Powers of length in the time of each flow: velocities are ``-dF``, or its Laplacian for diffusion."""
 
 HEADER = "units"
 """Where a table keeps its columns' names with units, until it is written."""
@@ -200,6 +158,27 @@ class Units:
             return read(argument, text, self.scale.temperature).magnitude
         return self.scale.number(argument, text, self._resolved(QUANTITIES[name]), self.unit(name))
 
+    def from_heading(self, argument: str, name: str, heading: str, values: Value) -> Value:
+        """A column in the user's unit, as a table has it that may be in another: ``L[um]``; one without a unit stays.
+
+        Args:
+            argument: what the table is, for the message.
+            name: of the quantity.
+            heading: the column's name in the table. ``C0[1/nm]`` is the spontaneous curvature of ``(2H - C0)^2``,
+                ``c0[1/nm]`` that of ``(H - c0)^2``.
+            values: its numbers.
+
+        Raises:
+            InputError: the unit is of another dimension, or the radius or the rigidity is missing that it needs.
+        """
+        symbol, bracket, unit = heading.removesuffix("]").partition("[")
+        if not bracket or name not in QUANTITIES or not heading.endswith("]"):
+            return values
+        factor = self.number(name, f"1{unit.removeprefix('1')}", f"{argument}: column {heading}")
+        if self.scale is not None and QUANTITIES[name].spontaneous:
+            factor *= self.scale.spontaneous / CONVENTIONS["physicists" if symbol.strip() == "C0" else "mem3dg"]
+        return values * factor  # type: ignore[operator, return-value]
+
     def named_from_user(self, name: str, value: Value) -> Value:
         """As ``from_user``, of a name that a user wrote: one that means nothing stays, for the study to refuse."""
         return self.from_user(name, value) if name in QUANTITIES else value
@@ -228,7 +207,7 @@ class Units:
         """A table of a tube of radius 1 in the user's unit; ``headed`` then writes the units into its header.
 
         Args:
-            table: every column of numbers has a name of ``QUANTITIES``; words stay.
+            table: every column of numbers has a name of ``QUANTITIES``; words stay, messages have their numbers converted.
             apart: dimensions that columns have in this table only.
         """
         import pandas as pd
@@ -242,6 +221,8 @@ class Units:
             if name not in empty and (self._power(known[name]) or self._factor(known[name]) != 1)
         ]
         found = table.assign(**{name: self._converted(pd.to_numeric(table[name]), known[name]) for name in moved})
+        if "message" in table:
+            found["message"] = table["message"].map(self.said)
         if self.scale is not None:
             found.attrs[HEADER] = {name: self._heading(name, known[name]) for name in numbers}
         return found

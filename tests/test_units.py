@@ -11,12 +11,13 @@ import pandas as pd
 import pytest
 from support.commands import run
 
+from pearlbvp.dimensions import QUANTITIES
 from pearlbvp.errors import InputError
 from pearlbvp.figures import canvas
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.files import read_mesh
 from pearlbvp.studies.saved import load
-from pearlbvp.units import QUANTITIES, Sentence, Units
+from pearlbvp.units import Sentence, Units
 
 R = 0.37
 

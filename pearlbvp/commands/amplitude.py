@@ -11,12 +11,14 @@ import click
 
 from pearlbvp.commands.arguments import File, ModeNumbers, Number, Numbers
 from pearlbvp.commands.command import Command
-from pearlbvp.commands.output import check_distinct, check_outputs, outputs, write, write_table
+from pearlbvp.commands.output import check_distinct, check_outputs, outputs, radius_option, write, write_table
 from pearlbvp.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
+
+    from pearlbvp.units import Units
 
 
 @click.command(cls=Command, epilog="Example:  pearlbvp amplitude --c0 0 --length 10 --mode 1,1 --plot a.png")
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 @click.option("--compare", type=File(), metavar="BRANCH.csv",
               help="A computed branch: draw it too, and write it beside the prediction in the table of --branch.")  # fmt: skip
 @outputs
+@radius_option
 def amplitude(
     c0: float,
     length: float,
@@ -43,19 +46,19 @@ def amplitude(
     compare: Path | None,
     out: Path | None,
     plot: Path | None,
+    units: Units,
 ) -> int:
     """Amplitude equations of the branches that leave the straight tube, in closed form.
 
     Columns: c0, L, m, n, type, lambda2, lambda1, a, b (or b1, b2), alpha2, stable (the family that is stable at
-    its onset at fixed area and volume), role, criticality. Amplitudes are in radii: u = 2 A cos(kx + n phi). All is in
-    units of the tube's radius.
+    its onset at fixed area and volume), role, criticality. The wave is u = 2 A cos(kx + n phi), and
+    dA/dt = A (a p + b A^2) where lambda2 has changed by p since the onset.
 
     The predicted branch has the columns of `branch`, growth rates to leading order. With --compare its columns are A, v
     and, of lambda1, lambda2, E and wave (2 A), the computed and the predicted value at that v, the error relative to the
     change since the onset, and the order in A at which it falls.
     """
     from pearlbvp.files import writable
-    from pearlbvp.helfrich import Tube
     from pearlbvp.studies.amplitude import COMPARED, WAVE, coefficients, compared, predicted_branch
     from pearlbvp.studies.reference import read_reference
     from pearlbvp.theory.amplitude import amplitude_equation, family_named
@@ -67,11 +70,15 @@ def amplitude(
     idle = [name for name, value in (("--family", family), ("--largest", largest), ("--compare", compare)) if value]
     if idle and branch is None and plot is None:
         raise InputError(f"{idle[0]}: it shapes the predicted branch only; give --branch or --plot, too")
-    tube = Tube(c0, length)
+    tube = units.tube(c0, length)
+    largest = None if largest is None else units.from_user("wave", largest)
     table = coefficients(tube.c0, tube.length, modes)
     equation = amplitude_equation(tube, modes[0])
     chosen = family_named(family) if family else equation.preferred
-    computed = None if compare is None else read_reference(compare, ("v", *COMPARED, "c0", "L"), (WAVE,))
+    computed = None
+    if compare is not None:
+        read = read_reference(compare, ("v", *COMPARED, "c0", "L"), (WAVE,), units)
+        computed = read.assign(**{name: units.from_user(name, read[name]) for name in map(str, read)})
     predicted: dict[str, pd.DataFrame] = {
         name: predicted_branch(tube.c0, tube.length, modes[0], name, largest).table()
         for name in (equation.families if family is None else (chosen,))
@@ -79,15 +86,16 @@ def amplitude(
     others: list[Callable[[], object]] = []
     if branch is not None:
         rows = predicted[chosen] if computed is None else compared(computed, equation, chosen)
-        others.append(lambda: write_table("--branch", branch, rows))
+        others.append(lambda: write_table("--branch", branch, units.columns(rows)))
 
     def draw() -> Figure:
         from pearlbvp.figures.amplitude import draw_prediction
 
-        title = f"c0 = {tube.c0:g}, L = {tube.length:g}, mode ({equation.m},{equation.n})"
-        return draw_prediction(predicted, computed, title)
+        title = f"{units.tube_text(tube)}, mode ({equation.m},{equation.n})"
+        lines = {name: units.columns(rows) for name, rows in predicted.items()}
+        return draw_prediction(lines, None if computed is None else units.columns(computed), title, units)
 
-    return write(table, out, plot, draw, others)
+    return write(units.columns(table), out, plot, draw, others)
 
 
 @click.command(
@@ -104,13 +112,14 @@ def amplitude(
     help="Write where two modes become critical at once.",
 )
 @outputs
+@radius_option
 def amplitude_map(
-    c0: list[float], lengths: list[float], meetings: Path | None, out: Path | None, plot: Path | None
+    c0: list[float], lengths: list[float], meetings: Path | None, out: Path | None, plot: Path | None, units: Units
 ) -> int:
     """Which mode destabilizes the straight tube at either end of its stable interval, and what branches off there.
 
     Columns: c0, L, lower_mode (m:n), lower_lambda2, lower_criticality, upper_mode, upper_lambda2, upper_type,
-    upper_criticality, stable (ring, coil, buckle or pearl), message. All is in units of the tube's radius.
+    upper_criticality, stable (ring, coil, buckle or pearl), message.
     """
     from pearlbvp.files import writable
     from pearlbvp.studies.amplitude import exchange_curve, instability_map, meeting_points
@@ -118,14 +127,16 @@ def amplitude_map(
     out, plot = check_outputs(out, plot)
     meetings = None if meetings is None else writable("--meetings", meetings)
     check_distinct({"--out": out, "--plot": plot, "--meetings": meetings})
-    table = instability_map(c0, lengths)
+    curvatures = [units.tube(value, lengths[0]).c0 for value in c0]
+    periods = [units.tube(c0[0], length).length for length in lengths]
+    table = units.columns(instability_map(curvatures, periods))
     others: list[Callable[[], object]] = []
     if meetings is not None:
-        others.append(lambda: write_table("--meetings", meetings, meeting_points(c0, lengths)))
+        others.append(lambda: write_table("--meetings", meetings, units.columns(meeting_points(curvatures, periods))))
 
     def draw() -> Figure:
         from pearlbvp.figures.amplitude import draw_map
 
-        return draw_map(table, exchange_curve(c0))
+        return draw_map(table, units.columns(exchange_curve(curvatures)), units)
 
     return write(table, out, plot, draw, others)

@@ -10,9 +10,10 @@ from typing import Any
 
 import click
 
+from pearlbvp.dimensions import QUANTITIES
 from pearlbvp.errors import InputError
 from pearlbvp.quantities import has_unit
-from pearlbvp.units import QUANTITIES, Sentence, Units
+from pearlbvp.units import Sentence, Units
 
 
 class Written(str):

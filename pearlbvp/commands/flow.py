@@ -132,7 +132,7 @@ def flow(
     By --law area, E + lambda2 V falls and E may rise, and volume_error is the volume's real change.
 
     With --radius all that is given and written is in its unit: the velocity is -dF, of dimension 1/length^3, so times have
-    that of length^4 (by --law diffusion of length^6). Saved flows are in radii: give --radius again to resume one.
+    that of length^4 (by --law diffusion of length^6); with --kappa the velocity is a pressure, and times count in nm/Pa.
     """
     from pearlbvp.files import writable, write_whole
     from pearlbvp.studies import saved
@@ -157,8 +157,8 @@ def flow(
     from pearlbvp.flows.driver import NEXT, FlowOptions, resumed
     from pearlbvp.flows.driver import start as beginning
     from pearlbvp.progress import progress
+    from pearlbvp.quantities import NUMBER
     from pearlbvp.studies import flow as study
-    from pearlbvp.units import NUMBER
 
     with progress("step") as bar:
 
@@ -324,6 +324,7 @@ def _start(
     from pearlbvp.studies.flow_start import mesh_start, profile_start, solution_start
     from pearlbvp.studies.mesh import NODES
     from pearlbvp.studies.point import chosen, sample
+    from pearlbvp.studies.profiles import read_profile
     from pearlbvp.units import Sentence
 
     if profile is not None or mesh is not None:
@@ -331,8 +332,10 @@ def _start(
             raise InputError(f"--{'mesh' if profile is None else 'profile'}: it goes with --c0 and --length; give both")
         if profile is None:
             return _of_a_file(mesh, units, c0, length, discretization, law, pressure)  # type: ignore[arg-type]
-        x, r = _profile(profile, units, length, points)
-        return profile_start(c0, length, x, r, points=points, law=law, pressure=pressure)
+        rows = read_profile("profile", profile, length, points, units)
+        if rows.said:
+            say(f"{profile.name}: {units.said(rows.said)}")
+        return profile_start(c0, length, rows.x, rows.r, points=points, law=law, pressure=pressure)
     if branch is None:
         if c0 is None or length is None:
             raise InputError("--c0, --length: give both, or a saved branch with --from")
@@ -379,22 +382,3 @@ def _of_a_file(
     if said:
         say(said)
     return surface_start(c0, surface, kind=kind, law=law, pressure=pressure)
-
-
-def _profile(path: Path, units: Units, length: float, points: int) -> tuple[Any, Any]:
-    """Columns ``x`` and ``r`` of a table, in radii, without its rounding; of one without a header the first is ``x``."""
-    import numpy as np
-
-    from pearlbvp.rounding import steps
-    from pearlbvp.studies.profiles import without_rounding
-    from pearlbvp.tables import read_table
-
-    table = read_table("profile", path, ("x", "r"), unnamed=("x", "r"))
-    (x, x_steps), (r, r_steps) = (
-        (units.from_user(name, values), units.from_user(name, steps(values)))
-        for name, values in ((name, np.array(table[name])) for name in ("x", "r"))
-    )
-    rows = without_rounding(x, r, length, x_steps, r_steps, points=points)
-    if rows.said:
-        say(f"{path.name}: {units.said(rows.said)}")
-    return rows.x, rows.r

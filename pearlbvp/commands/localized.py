@@ -55,7 +55,7 @@ def localized(
     if compare is not None:
         from pearlbvp.studies.reference import read_reference
 
-        reference = read_reference(compare)
+        reference = read_reference(compare, units=units)
     scaled = [units.from_user("L", length) for length in lengths]
     import pandas as pd
 

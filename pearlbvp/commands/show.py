@@ -182,8 +182,8 @@ def _surface_writer(at: Any, nodes: int, path: Path, units: Units) -> Callable[[
 def _flow(file: Path, out: Path | None, plot: Path | None, units: Units) -> int:
     """Show a saved flow."""
     from pearlbvp.helfrich import Tube
+    from pearlbvp.quantities import NUMBER
     from pearlbvp.studies.flow import load
-    from pearlbvp.units import NUMBER
 
     state = load(file, "FILE")
     units = units.of_flow(state.problem.law)

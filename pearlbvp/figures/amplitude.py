@@ -11,18 +11,21 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.branch import draw_curve
-from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, own_style
-from pearlbvp.units import RADII
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
+from pearlbvp.units import RADII, Units
 
 
 @own_style()
-def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFrame | None, title: str = "") -> Figure:
+def draw_prediction(
+    predicted: Mapping[str, pd.DataFrame], computed: pd.DataFrame | None, title: str = "", units: Units = RADII
+) -> Figure:
     """Energy, pressure and wave ``2 A`` over the volume: predicted branches as lines, a computed one as points.
 
     Args:
         predicted: tables of predicted branches by name.
         computed: table of a computed one, drawn as far as the predictions go.
         title: of the picture.
+        units: of the tables.
     """
     figure, (left, right, last) = new_figure(1, 3, width=13.5)
     for i, (name, table) in enumerate(predicted.items()):
@@ -37,36 +40,39 @@ def draw_prediction(predicted: Mapping[str, pd.DataFrame], computed: pd.DataFram
         right.plot(near["v"], near["lambda2"], ".", color="black")
         if "wave" in near:
             last.plot(near["v"], near["wave"], ".", color="black")
-    dress(left, RADII.axis_label("v"), RADII.axis_label("E"), title)
-    dress(right, RADII.axis_label("v"), RADII.axis_label("lambda2"), "dashed: unstable at fixed area and volume")
-    dress(last, RADII.axis_label("v"), RADII.axis_label("wave", "wave 2A"))
+    dress(left, units.axis_label("v"), units.axis_label("E"), title)
+    dress(right, units.axis_label("v"), units.axis_label("lambda2"), "dashed: unstable at fixed area and volume")
+    dress(last, units.axis_label("v"), units.axis_label("wave", "wave 2A"))
     add_legend(left, fontsize="small")
+    note_unit(figure, units)
     return figure
 
 
 @own_style()
-def draw_map(table: pd.DataFrame, exchange: pd.DataFrame) -> Figure:
+def draw_map(table: pd.DataFrame, exchange: pd.DataFrame, units: Units = RADII) -> Figure:
     """Which mode destabilizes the tube over ``c0`` and ``L``, at the lower and the upper end of its stable interval.
 
     Args:
         table: from ``studies.amplitude.instability_map``, on a full grid.
         exchange: from ``studies.amplitude.exchange_curve``: where coils and buckles exchange stability.
+        units: of both tables.
     """
     figure, (left, right) = new_figure(1, 2, width=10.5, height=4.6)
     lower = table["lower_mode"] + np.where(table["lower_criticality"] == "subcritical", " sub", "")
     _draw_cells(left, table, lower)
     title = "lower end: mode m:n that destabilizes (sub: subcritical)"
-    dress(left, RADII.axis_label("c0"), RADII.axis_label("L"), title)
+    dress(left, units.axis_label("c0"), units.axis_label("L"), title)
     upper = table["upper_mode"] + " " + table["stable"]
     _draw_cells(right, table, upper)
     visible = exchange[exchange["L"].between(table["L"].min(), table["L"].max())]
     right.plot(visible["c0"], visible["L"], "k.", markersize=3)
     dress(
         right,
-        RADII.axis_label("c0"),
+        units.axis_label("c0"),
         "",
         "upper end: mode m:n, and the family stable at onset\ndots: coils and buckles (1,1) exchange stability",
     )
+    note_unit(figure, units)
     return figure
 
 

@@ -8,8 +8,9 @@ import pandas as pd
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
+from pearlbvp.dimensions import AXES
 from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
-from pearlbvp.units import AXES, RADII, Units
+from pearlbvp.units import RADII, Units
 
 MOST_NAMED = 8
 """Curves that get a line each in the legend; of more, every so many."""

@@ -20,6 +20,7 @@ from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation, exchange_lengths, meeting_c0
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, stable_interval
+from pearlbvp.units import Sentence
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -162,7 +163,8 @@ def predicted_branch(
     points = whole("points", points, 2)
     end = equation.at(family, largest)
     if end["v"] <= 0 or end["r_min"] <= 0:
-        raise InputError(f"largest: at A = {largest:g} the predicted {family} has no volume or no radius; go less far")
+        text = f"largest: at A = {{A:g}} the predicted {family} has no volume or no radius; go less far"
+        raise InputError(Sentence(text, A=largest))
     problem, own = Prediction(equation, family), equation.own_rate(family)
     others = {Wave(f"m={m} n={n}", count): np.array([rate]) for (m, n), count, rate in _other_modes(equation)}
     itself = Wave("own", 2 if family == "coil" else 1)
@@ -173,7 +175,7 @@ def predicted_branch(
         u = np.array([A])
         found.append(Solution(problem, u, np.ones(1), known=spectrum))
     special: list[SpecialPoint] = [SpecialPoint("start", 0), SpecialPoint("end", points - 1)]
-    return Branch(found, special, Status.GIVEN, f"the amplitude is {largest:g}")
+    return Branch(found, special, Status.GIVEN, Sentence("the amplitude is {A:g}", A=largest))
 
 
 COMPARED = ("lambda1", "lambda2", "E")
@@ -208,15 +210,17 @@ def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -
         raise InputError(f"compare: the table has no column {', '.join(missing)}; give that of a branch")
     for name, value in (("c0", equation.tube.c0), ("L", equation.tube.length)):
         if name in table and (np.abs(table[name] - value) > 1e-6 * (1 + abs(value))).any():
-            raise InputError(
-                f"compare: the table is of {name} = {table[name].iloc[0]:g}, not {value:g}; give that of this tube"
-            )
+            found = Sentence(f"compare: the table is of {name} = {{{name}:g}}", **{name: table[name].iloc[0]})
+            wanted = Sentence(f", not {{{name}:g}}; give that of this tube", **{name: value})
+            raise InputError(Sentence.joined(found, wanted))
     start = table[(table["v"] - 1).abs() < 1e-9]
     if len(start) and abs(start["lambda2"].iloc[0] - equation.lambda2) > 1e-6 * (1 + abs(equation.lambda2)):
-        raise InputError(
-            f"compare: the table's branch leaves the cylinder at lambda2 = {start['lambda2'].iloc[0]:.6g}, mode "
-            f"({equation.m},{equation.n}) at {equation.lambda2:.6g}; give that of this mode"
+        found = Sentence(
+            "compare: the table's branch leaves the cylinder at lambda2 = {lambda2:.6g}",
+            lambda2=start["lambda2"].iloc[0],
         )
+        text = f", mode ({equation.m},{equation.n}) at {{lambda2:.6g}}; give that of this mode"
+        raise InputError(Sentence.joined(found, Sentence(text, lambda2=equation.lambda2)))
     cylinder = equation.at(family, 0.0)
     A = np.array([equation.amplitude_at(family, v) for v in table["v"]])
     chosen = A > 1e-6
@@ -286,7 +290,7 @@ def _instabilities(tube: Tube) -> dict[str, Any]:
         try:
             equation = amplitude_equation(tube, mode)
         except InputError as error:
-            row["message"] = str(error)
+            row["message"] = error.args[0]
             continue
         row[f"{end}_criticality"] = criticality(equation)
         if end == "upper":

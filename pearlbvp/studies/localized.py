@@ -193,9 +193,10 @@ class PeriodicPearls:
             if not self.path.complete:
                 return {
                     "status": "failed",
-                    "message": f"the pearls could not be followed far enough: {self.path.reason}",
+                    "message": Sentence.joined("the pearls could not be followed far enough: ", self.path.reason),
                 }
-            return _no(f"the pearls stay stable until their necks are thinner than {THINNEST_NECK} radii")
+            text = "the pearls stay stable until their necks are thinner than {r:g} {r_unit}"
+            return _no(Sentence(text, r=THINNEST_NECK))
         named = dict(zip(_FUNCTIONS, map(float, values), strict=True))
         named["amplitude"] = math.sqrt(max(named["amplitude_squared"], 0.0))
         return {"status": "found", **{name: named[name] for name in COLUMNS[5:10]}, "message": ""}

@@ -7,6 +7,7 @@ that meet them to within their rounding.
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +17,9 @@ from scipy.linalg import solve_triangular
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.repair import counted
-from pearlbvp.rounding import NEGLIGIBLE, deviation
-from pearlbvp.units import Sentence
+from pearlbvp.rounding import NEGLIGIBLE, deviation, steps
+from pearlbvp.tables import read_table
+from pearlbvp.units import RADII, Sentence, Units
 
 CLOSED = 0.25
 """Distance of the last place from where the period ends, in steps, below which it is there to its own precision.
@@ -119,6 +121,31 @@ def _kept(x: Array, r: Array, length: float, allowed: float | None = None) -> In
             )
         return order[:-1]
     return order
+
+
+def read_profile(
+    name: str, path: str | os.PathLike[str], length: float, points: int = 128, units: Units = RADII
+) -> Rows:
+    """Columns ``x`` and ``r`` of a table in radii, without its rounding; of one without a header the first is ``x``.
+
+    Args:
+        name: the argument's name, for the message.
+        path: of the table, in the user's unit, or in those that stand in the columns' names: ``x[nm]``.
+        length: of a period, in radii.
+        points: as for ``without_rounding``.
+        units: of the user.
+
+    Raises:
+        InputError: the table cannot be read, is in a unit that cannot be converted, or is no profile.
+    """
+    table = read_table(name, path, ("x", "r"), unnamed=("x", "r"))
+
+    def in_radii(column: str, values: Array) -> Array:
+        return units.from_user(column, units.from_heading(name, column, table.headings[column], values))
+
+    x, r = np.array(table["x"]), np.array(table["r"])
+    rounded = in_radii("x", steps(x)), in_radii("r", steps(r))
+    return without_rounding(in_radii("x", x), in_radii("r", r), length, *rounded, points=points)
 
 
 def without_rounding(x: Array, r: Array, length: float, x_steps: Array, r_steps: Array, *, points: int = 128) -> Rows:

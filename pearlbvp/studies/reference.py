@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 
 from pearlbvp.errors import InputError
-from pearlbvp.tables import read_table
+from pearlbvp.tables import name_of, read_table
+from pearlbvp.units import RADII, Units
 
 KEYS = ("c0", "period", "L")
 """Columns that tell which row of a table of localized pearls is which."""
@@ -19,20 +20,29 @@ SAME = 1e-6
 
 
 def read_reference(
-    path: str | os.PathLike[str], columns: Sequence[str] | None = None, optional: Sequence[str] = ()
+    path: str | os.PathLike[str],
+    columns: Sequence[str] | None = None,
+    optional: Sequence[str] = (),
+    units: Units = RADII,
 ) -> pd.DataFrame:
     """A CSV file with a header, all of numbers; lines that begin with ``#`` are comments.
+
+    Columns whose names have units, ``L[nm]``, are converted to those of the user; others are in them.
 
     Args:
         path: of the file.
         columns: those that are wanted; others are not looked at, and may be of words.
         optional: those that are taken, too, where they are there.
+        units: of the user. Without ``columns`` those of ``KEYS`` are converted, others keep their units in their names.
 
     Raises:
         InputError: it cannot be read, a line is not of as many numbers as the header has names, or a column is missing, or has
-            no number where one is needed.
+            no number where one is needed; a unit is of another dimension, or there is none to convert it to.
     """
-    table = pd.DataFrame(read_table("compare", path, columns, optional=optional))
+    read = read_table("compare", path, columns, optional=optional if columns else KEYS)
+    table = pd.DataFrame(
+        {name: units.from_heading("compare", name, read.headings[name], np.array(read[name])) for name in read}
+    )
     for name in columns or [key for key in KEYS if key in table]:
         if table[name].isna().any():
             raise InputError(
@@ -54,7 +64,7 @@ def beside(table: pd.DataFrame, reference: pd.DataFrame) -> pd.DataFrame:
         raise InputError(
             f"compare: the file needs columns to match, {', '.join(KEYS)}, and others to put beside them; it {lacks}"
         )
-    taken = [name for name in added if name in table.columns]
+    taken = [name_of(name) for name in added if name_of(name) in table.columns]
     if taken:
         raise InputError(
             f"compare: the file's column {taken[0]} is in the table already; rename it, to {taken[0]}_other say"

@@ -262,7 +262,6 @@ def test_lengths_in_every_form():
     [
         ("a,b\n1,2\n", "needs columns to match"),
         ("L,v_x\n15,2\n", "lacks c0, period"),
-        ("c0,period,l,v_x\n0.48,7.5,15,2\n", "lacks L"),
         ("c0,period,length,v_x\n0.48,7.5,15,2\n", "lacks L"),
         ("c0,period,L\n0.48,7.5,15\n", "has none besides"),
         ("c0,period,L,v\n0.48,7.5,15,1\n", "column v is in the table already; rename it, to v_other"),
