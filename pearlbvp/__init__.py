@@ -1,8 +1,8 @@
 """pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability.
 
 An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``flow``,
-``dispersion``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``scan``; ``solve_bvp`` and ``continue_bvp`` for one's
-own equations. Each name is imported when it is first asked for.
+``dispersion``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``scan``; ``Units`` for physical tubes; ``solve_bvp``
+and ``continue_bvp`` for one's own equations. Each name is imported when it is first asked for.
 """
 
 import os
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from pearlbvp.studies.families import register
     from pearlbvp.studies.localized import localized_pearls
     from pearlbvp.studies.period import pearl_periods
+    from pearlbvp.units import Units
 
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"):
     os.environ.setdefault(
@@ -32,6 +33,7 @@ _HOMES = {
     "InputError": "errors:InputError",
     "Solution": "branches:Solution",
     "Tube": "helfrich:Tube",
+    "Units": "units:Units",
     "amplitude": "front:amplitude",
     "branch": "front:branch",
     "continue_bvp": "bvp:continue_bvp",
@@ -51,6 +53,7 @@ __all__ = [
     "InputError",
     "Solution",
     "Tube",
+    "Units",
     "__version__",
     "amplitude",
     "branch",

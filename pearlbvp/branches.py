@@ -15,6 +15,7 @@ from pearlbvp.continuation import branch as core
 from pearlbvp.continuation import solution as solutions
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import whole
+from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -204,28 +205,36 @@ class Branch(core.Branch[Any]):
         upwards = _upwards(down, until, name, self.points[-1].observables)
         return followed_by(lambda options: followed(self, kind, number, name, options, upwards=upwards), until, how)
 
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: str | os.PathLike[str], units: Units = RADII) -> None:
         """Save it as HDF5, whole or not at all; ``pearlbvp.load`` reads it.
+
+        Args:
+            path: where to.
+            units: in which commands show it and go on from it; it is saved in radii (``Units.of_file`` reads them).
 
         Raises:
             InputError: the place cannot be written to.
         """
         from pearlbvp.studies.saved import save
 
-        save(self, path)
+        save(self, path, units=units)
 
-    def plot(self, title: str = "") -> Figure:
+    def plot(self, title: str = "", units: Units = RADII) -> Figure:
         """Its diagrams and some of its shapes."""
         from pearlbvp.figures.branch import draw_branch
 
-        return draw_branch(self, self.table(), title)
+        return draw_branch(self, units.columns(self.table()), title, units)
 
-    def table(self) -> pd.DataFrame:
-        """A row a point, with the columns that every family has: ``pearlbvp.studies.branch.COLUMNS``."""
+    def table(self, units: Units = RADII) -> pd.DataFrame:
+        """A row a point, with the columns that every family has: ``pearlbvp.studies.branch.COLUMNS``.
+
+        Args:
+            units: of the numbers; physical ones stand in the names of the columns: ``r_min[nm]``.
+        """
         from pearlbvp.studies.branch import COLUMNS
 
         table = super().table()
-        return table[[*COLUMNS, *(name for name in table if name not in COLUMNS)]]
+        return units.table(table[[*COLUMNS, *(name for name in table if name not in COLUMNS)]])
 
 
 def _upwards(down: bool | None, until: Until | None, name: str, observed: Mapping[str, float]) -> bool:

@@ -11,8 +11,8 @@ TIME, RATE, VELOCITY = Dimension(time=1), Dimension(time=-1), Dimension(1, -1)
 """Of the gradient flow, whose velocity is a pressure times a mobility."""
 
 QUANTITIES: Mapping[str, Dimension] = {
-    **dict.fromkeys(("L", "length", "period", "x", "r", "y", "z", "r_min", "r_max", "amplitude", "wave", "gap",
-                     "delta", "centre", "shape", "edge"), LENGTH),
+    **dict.fromkeys(("L", "length", "lengths", "period", "periods", "x", "r", "y", "z", "r_min", "r_max", "amplitude", "wave",
+                     "gap", "delta", "centre", "shape", "edge", "M"), LENGTH),
     **dict.fromkeys(("k", "H"), CURVATURE), "c0": SPONTANEOUS, "force": FORCE, "torque": ENERGY,
     **dict.fromkeys(("lambda1", "E", "E_least_energy"), TENSION),
     **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "pressure"), PRESSURE),

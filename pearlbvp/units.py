@@ -2,10 +2,10 @@
 
 The package computes with tubes of radius 1 and energies that count in ``2 kappa``. A tube of any radius is similar to one of
 those (paper, §1): what is given is converted at the door, and what is written - columns, axes, sentences, surfaces - on its
-way out, both by the dimension that a quantity's name has
-(``dimensions``). By a radius that is a plain number, energies and the flow's
-mobility are 1, so that tension, pressure and energy by area are powers of length, and so is time, whose power depends on the
-flow. By a radius with a unit, lengths have that unit; with a bending rigidity, energies are physical, too (``scale``).
+way out, both by the dimension that a quantity's name has (``dimensions``). By a radius that is a plain number, energies and
+the flow's mobility are 1, so that tension, pressure and energy by area are powers of length, and so is time, whose power
+depends on the flow. By a radius with a unit, lengths have that unit; with a bending rigidity, energies are physical, too
+(``scale``).
 
 The same conversion leads from the end of a flow, whose area is ``s`` times that of its tube, to the similar shape of a branch:
 ``Units(s).from_user`` divides its lengths by ``s`` and multiplies its tension by ``s^2`` (``studies.flow_end``).
@@ -13,12 +13,14 @@ The same conversion leads from the end of a flow, whose area is ``s`` times that
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, SupportsIndex, TypeVar
 
-from pearlbvp.dimensions import AXES, LAW, QUANTITIES, TIME_POWERS
+from pearlbvp.conversion import SUPERSCRIPTS, Conversion, Value
+from pearlbvp.dimensions import AXES, QUANTITIES
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, finite, positive
 from pearlbvp.quantities import Dimension, Measured, has_unit, read
@@ -26,9 +28,6 @@ from pearlbvp.scale import CONVENTIONS, Scale
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Value = TypeVar("Value")
-"""A number or an array of them."""
 
 Parts = tuple[tuple[str, Mapping[str, Any]], ...]
 """Texts, each with the values of its fields."""
@@ -39,11 +38,9 @@ Surface = TypeVar("Surface")
 HEADER = "units"
 """Where a table keeps its columns' names with units, until it is written."""
 
-SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-
 
 @dataclass(frozen=True)
-class Units:
+class Units(Conversion):
     """The unit in which a user measures, by the radius that the straight tube has in it.
 
     Attributes:
@@ -56,15 +53,6 @@ class Units:
     Raises:
         InputError: the radius is no positive number.
     """
-
-    radius: float = 1.0
-    given: bool = False
-    law: str = LAW
-    scale: Scale | None = None
-    second: float | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive("radius", self.radius))
 
     @classmethod
     def of(
@@ -97,47 +85,23 @@ class Units:
             raise InputError("kappa: it needs the radius with its unit; give --radius, like 50nm, too")
         return cls(positive("radius", radius), given=True)  # type: ignore[arg-type]
 
-    def of_flow(self, law: str) -> Units:
-        """The same units, times being those of a flow."""
-        return replace(self, law=law)
+    @classmethod
+    def of_file(cls, path: str | os.PathLike[str], name: str = "path") -> Units:
+        """Units that a branch or a flow is saved in; radii where it has none, or where there is no such file.
 
-    def in_time(self, second: float) -> Units:
-        """The same units, where the package's unit of time is known, in seconds."""
-        return replace(self, second=positive("time", second))
+        Args:
+            path: of the file; its reader refuses one that holds no branch or flow.
+            name: the argument's name, for the message.
 
-    def _resolved(self, dimension: Dimension) -> Dimension:
-        """A dimension without time, where that counts in a flow's of mobility 1: in powers of length, and in 1/energy."""
-        if self.second is not None:
-            return dimension
-        length = dimension.length + TIME_POWERS[self.law] * dimension.time
-        return dimension._replace(length=length, time=0, energy=dimension.energy - dimension.time)
+        Raises:
+            InputError: the units in it cannot be read.
+        """
+        from pearlbvp.hdf5 import group_of
 
-    def _power(self, dimension: Dimension) -> int:
-        return self._resolved(dimension).length
-
-    def _factor(self, dimension: Dimension) -> float:
-        """What a quantity is multiplied by beside the power of the radius."""
-        return 1.0 if self.scale is None else self.scale.measure(self._resolved(dimension), self.second)[0]
-
-    def to_user(self, name: str, value: Value) -> Value:
-        """What a quantity of a tube of radius 1 is in the user's unit."""
-        return self._converted(value, QUANTITIES[name])
-
-    def _converted(self, value: Any, dimension: Dimension) -> Any:
-        factor = self._factor(dimension)
-        return self._scaled(value if factor == 1 else value * factor, self._power(dimension))
-
-    def from_user(self, name: str, value: Value) -> Value:
-        """What a quantity in the user's unit is on a tube of radius 1."""
-        dimension = QUANTITIES[name]
-        factor = self._factor(dimension)
-        found = value if factor == 1 else value / factor  # type: ignore[operator]
-        return self._scaled(found, -self._power(dimension))
-
-    def _scaled(self, value: Any, power: int) -> Any:
-        if power == 0 or self.radius == 1:
-            return value
-        return value * self.radius**power if power > 0 else value / self.radius**-power
+        try:
+            return cls.from_tree(group_of(name, path, "units"))
+        except (ValueError, LookupError, TypeError):
+            raise InputError(f"{name}: the units in {path} cannot be read; give an intact copy") from None
 
     def number(self, name: str, text: str | float, argument: str) -> float:
         """A quantity in the user's unit, from a number that is in it or from a text with a unit of its own.
@@ -203,6 +167,32 @@ class Units:
         curvature, period = self.number("c0", c0, "c0"), positive("length", self.number("length", length, "length"))
         return Tube(self.from_user("c0", curvature), self.from_user("length", period))
 
+    def radii(self, **quantities: Any) -> dict[str, Any]:
+        """Quantities as a tube of radius 1 has them, by their names: what functions take in radii.
+
+        Args:
+            quantities: numbers in the user's unit, texts with units of their own, or lists of them.
+
+        Raises:
+            InputError: one cannot be used.
+
+        Example:
+            >>> Units.of("50nm", "20kT").radii(L="2um", v=1.1)
+            {'L': 40.0, 'v': 1.1}
+        """
+
+        def one(name: str, value: str | float) -> float:
+            return self.named_from_user(name, self.number(name, value, name))
+
+        return {
+            name: [one(name, each) for each in value] if isinstance(value, (list, tuple)) else one(name, value)
+            for name, value in quantities.items()
+        }
+
+    def table(self, table: pd.DataFrame) -> pd.DataFrame:
+        """A table of a tube of radius 1 in the user's unit, as it is written: with the units in the names of its columns."""
+        return headed(self.columns(table))
+
     def columns(self, table: pd.DataFrame, **apart: Dimension) -> pd.DataFrame:
         """A table of a tube of radius 1 in the user's unit; ``headed`` then writes the units into its header.
 
@@ -227,15 +217,6 @@ class Units:
             found.attrs[HEADER] = {name: self._heading(name, known[name]) for name in numbers}
         return found
 
-    def _heading(self, name: str, dimension: Dimension) -> str:
-        """A column's name with its unit, by which it can be read back: ``L[nm]``; plain numbers have none."""
-        unit = "" if self.scale is None else self.scale.measure(self._resolved(dimension), self.second)[1]
-        return f"{self.symbol(name)}[{unit}]" if unit else name
-
-    def symbol(self, name: str) -> str:
-        """What a quantity is called: the spontaneous curvature is ``C0`` where it is that of ``(2H - C0)^2``."""
-        return "C0" if name == "c0" and self.scale is not None and self.scale.spontaneous != 1 else name
-
     def surface(self, surface: Surface) -> Surface:
         """A triangulated surface about a tube of radius 1 in the user's unit."""
         return self._resized(surface, 1)
@@ -247,16 +228,6 @@ class Units:
     def _resized(self, surface: Any, power: int) -> Any:
         vertices, length = (self._scaled(value, power) for value in (surface.vertices, surface.length))
         return replace(surface, vertices=vertices, length=length)
-
-    def unit(self, name: str) -> str:
-        """The unit of a quantity, ``1/radius²`` or ``1/nm^2``; empty of plain numbers."""
-        if self.scale is not None:
-            return self.scale.measure(self._resolved(QUANTITIES[name]), self.second)[1]
-        power, one = self._power(QUANTITIES[name]), "unit" if self.given else "radius"
-        if power == 1:
-            return "units" if self.given else "radii"
-        raised = one + (str(abs(power)).translate(SUPERSCRIPTS) if abs(power) > 1 else "")
-        return "" if power == 0 else raised if power > 0 else f"1/{raised}"
 
     def text(self, name: str, value: float, form: str = "g") -> str:
         """A quantity of a tube of radius 1 in the user's unit, which is written where it has a name."""

@@ -157,7 +157,6 @@ def flow(
     from pearlbvp.flows.driver import NEXT, FlowOptions, resumed
     from pearlbvp.flows.driver import start as beginning
     from pearlbvp.progress import progress
-    from pearlbvp.quantities import NUMBER
     from pearlbvp.studies import flow as study
 
     with progress("step") as bar:
@@ -190,7 +189,7 @@ def flow(
                 now = units.text("t", state.t)
                 raise InputError(f"--time: the saved flow is at t = {now} already; give a later time")
         result = resumed(state, FlowOptions(**settings))
-    table = units.columns(result.table(), area=NUMBER)  # by that of the straight tube
+    table = result.state.columns(units)
     end = cache(lambda: _end(result, save_end, units))  # which takes a while: after the table is written
 
     def write_frames(path: Path) -> None:

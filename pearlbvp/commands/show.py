@@ -182,12 +182,11 @@ def _surface_writer(at: Any, nodes: int, path: Path, units: Units) -> Callable[[
 def _flow(file: Path, out: Path | None, plot: Path | None, units: Units) -> int:
     """Show a saved flow."""
     from pearlbvp.helfrich import Tube
-    from pearlbvp.quantities import NUMBER
     from pearlbvp.studies.flow import load
 
     state = load(file, "FILE")
     units = units.of_flow(state.problem.law)
-    table = units.columns(state.record.table(), area=NUMBER)  # by that of the straight tube
+    table = state.columns(units)
 
     def draw() -> Figure:
         from pearlbvp.figures.flow import draw_flow

@@ -64,22 +64,8 @@ def _saved(params: dict[str, Any], any_of: bool) -> Units:
         value = params.get(name)
         paths: Sequence[Path] = () if not value else value if isinstance(value, tuple) else (value,)
         for path in paths:
-            own = _of_a_file(typed, path)
+            own = Units.of_file(path, typed)
             if own.given and found.given and own != found and not any_of:
                 raise InputError(f"{typed}: {path} is saved in other units than the one before; give --radius for all")
             found = own if own.given else found
     return found
-
-
-def _of_a_file(name: str, path: Path) -> Units:
-    """Units that are saved in a file; radii where it has none, or is none, which is said where it is read.
-
-    Raises:
-        InputError: those in it cannot be read.
-    """
-    from pearlbvp.hdf5 import group_of
-
-    try:
-        return Units.from_tree(group_of(name, path, "units"))
-    except (ValueError, LookupError, TypeError):
-        raise InputError(f"{name}: the units in {path} cannot be read; give an intact copy") from None

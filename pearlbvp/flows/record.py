@@ -11,7 +11,9 @@ import numpy as np
 from pearlbvp.arrays import Array
 from pearlbvp.flows.problem import FlowProblem
 from pearlbvp.membrane import with_force
+from pearlbvp.quantities import NUMBER
 from pearlbvp.representation import brief
+from pearlbvp.units import RADII, Units, headed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -159,6 +161,10 @@ class FlowState:
     kept: Array
     record: Record
 
+    def columns(self, units: Units) -> pd.DataFrame:
+        """Its table in the user's unit (``Units.columns``); the area is by that of the straight tube."""
+        return units.of_flow(self.problem.law).columns(self.record.table(), area=NUMBER)
+
 
 @dataclass(frozen=True)
 class FlowResult:
@@ -182,9 +188,13 @@ class FlowResult:
     def __repr__(self) -> str:
         return f"FlowResult({self.status} at t = {self.state.t:.6g}, {self.state.record!r}: {self.reason})"
 
-    def table(self) -> pd.DataFrame:
-        """A row for every accepted step."""
-        return self.state.record.table()
+    def table(self, units: Units = RADII) -> pd.DataFrame:
+        """A row for every accepted step.
+
+        Args:
+            units: of the numbers; physical ones stand in the names of the columns: ``t[nm/Pa]``.
+        """
+        return headed(self.state.columns(units))
 
     @property
     def complete(self) -> bool:

@@ -132,7 +132,7 @@ def test_columns_of_what_is_saved(capsys, saved, command, options):
 
 def test_all_columns_are_here():
     """A quantity with a dimension that is no column is an option, a coordinate of a picture, or a surface's."""
-    elsewhere = {"length", "y", "z", "gap", "delta", "centre", "shape", "edge", "pressure", "xi", "rate", "c0",
+    elsewhere = {"length", "lengths", "periods", "y", "z", "gap", "delta", "centre", "shape", "edge", "pressure", "xi", "rate", "c0",
                  "volume_by_length"}  # fmt: skip
     assert {name for name, dimension in QUANTITIES.items() if any(dimension)} - elsewhere == set(PHYSICAL) - {"C0"}
 
