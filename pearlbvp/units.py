@@ -156,6 +156,7 @@ class Units(Conversion):
         name, equals, value = text.partition("=")
         if not equals:
             return text
+        name = "c0" if name.strip() == "C0" else name
         return f"{name}={self.named_from_user(name, self.number(name, value, 'point'))!r}"
 
     def tube(self, c0: float | str, length: float | str) -> Tube:
@@ -235,7 +236,11 @@ class Units(Conversion):
 
     def measured(self, name: str, value: float) -> Measured:
         """The same, to be formatted."""
-        return Measured(self.to_user(name, value), self.unit(name) if self.scale else "")
+        return self.named(name, self.to_user(name, value))
+
+    def named(self, name: str, value: float) -> Measured:
+        """A quantity in the user's unit, to be formatted with its name, if that has one."""
+        return Measured(value, self.unit(name) if self.scale else "")
 
     def tube_text(self, tube: Tube, form: str = "g") -> str:
         """A tube in the user's unit: ``c0 = 0.48, L = 30``."""
@@ -272,7 +277,7 @@ class Units(Conversion):
                 fields[name] = value
                 continue
             named = self.scale is not None and f"{{{name}_unit}}" not in words
-            space = "" if re.search(rf"--[\w-]+ \{{{name}\b", words) else " "  # an option's value is one word
+            space = "" if re.search(rf"--[\w-]+ (\w+=)?\{{{name}\b", words) else " "  # an option's value is one word
             fields[name] = Measured(self.to_user(name, value), self.unit(name) if named else "", space)
         return words.replace("c0 = {c0", f"{self.symbol('c0')} = {{c0").format(**fields)
 

@@ -105,7 +105,7 @@ def diagram(
         return draw_plane(table, x, y, units=units)
 
     status = write(table, out, plot, draw)
-    if apart := tubes_apart(table):
+    if apart := tubes_apart(table, units):
         say("the branches are of different tubes: " + "; ".join(f"{name}: {tube}" for name, tube in apart.items()))
     return status if files or not any(branch.failed for branch in branches.values()) else SOME_FAILED
 

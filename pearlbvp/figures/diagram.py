@@ -57,7 +57,7 @@ def draw_plane(table: pd.DataFrame, x: str, y: str, title: str = "", units: Unit
     beside = len(names) > FEW
     figure, axes = new_figure(1, 1, width=9.5 if beside else 7.0, height=4.8)
     several = colormaps["turbo"].resampled(len(names) + 2)
-    tubes, between = tubes_apart(table), "\n" if beside else " "
+    tubes, between = tubes_apart(table, units), "\n" if beside else " "
     for i, name in enumerate(names):
         colour = COLOURS[i] if len(names) <= len(COLOURS) else to_hex(several(i + 1))
         draw_curve(

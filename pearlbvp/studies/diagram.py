@@ -16,6 +16,7 @@ from pearlbvp.helfrich import Tube, WaveNumbers, choice, finite, mode_list, whol
 from pearlbvp.studies.branch import branch_options, family_branch, known_options, shown
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.studies.onward import switched
+from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -71,11 +72,12 @@ def together(branches: Mapping[str, Branch[Any]]) -> pd.DataFrame:
     return pd.concat((whole["branch"], shown(whole)), axis=1)
 
 
-def tubes_apart(table: pd.DataFrame) -> dict[str, str]:
+def tubes_apart(table: pd.DataFrame, units: Units = RADII) -> dict[str, str]:
     """What tubes the branches of a table are of, by name, in the table's unit; nothing where all are of one.
 
     Args:
         table: with the columns ``branch``, ``c0`` and ``L``.
+        units: of the table.
     """
     apart = [name for name in ("c0", "L") if _spread(table[name]) > ONE_TUBE]
     groups = table.groupby("branch", sort=False)
@@ -83,7 +85,9 @@ def tubes_apart(table: pd.DataFrame) -> dict[str, str]:
         return {}
     return {
         str(branch): ", ".join(
-            f"{name} varies" if _spread(rows[name]) > ONE_TUBE else f"{name} = {rows[name].iloc[0]:.6g}"
+            f"{units.symbol(name)} varies"
+            if _spread(rows[name]) > ONE_TUBE
+            else f"{units.symbol(name)} = {units.named(name, rows[name].iloc[0]):.6g}"
             for name in apart
         )
         for branch, rows in groups

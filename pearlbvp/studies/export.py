@@ -19,6 +19,7 @@ from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.studies.branch import STOPS, known_branch, known_point
 from pearlbvp.studies.mesh import NODES
 from pearlbvp.studies.point import special_place
+from pearlbvp.units import Sentence
 
 SAMPLES = 400
 """Points of a curve: on a period of an axisymmetric shape, around a section."""
@@ -56,19 +57,27 @@ def stored(branch: Branch[Any], name: str) -> tuple[int, str]:
     column, value = column.strip(), finite("point", text)  # type: ignore[arg-type]
     if column not in STOPS:
         raise InputError(f"point: {column!r} is no column with numbers of a shape; choose one of {', '.join(STOPS)}")
+
+    def said(text: str, number: float) -> Sentence:
+        return Sentence(text.replace("{column}", column).replace("{value", f"{{{column}"), **{column: number})
+
     found = [entry.value(column) for entry in branch.points]
     at = _nearest(found, value)
     if at is None:
         known = [number for number in found if not math.isnan(number)]
         raise InputError(
-            f"point: {column} = {value:g} is not reached on this branch, where it goes from {min(known):.6g} to "
-            f"{max(known):.6g}; give a value between, or follow the branch further"
+            Sentence.joined(
+                said("point: {column} = {value:g}", value),
+                said(" is not reached on this branch, where it goes from {value:.6g}", min(known)),
+                said(" to {value:.6g}; give a value between, or follow the branch further", max(known)),
+            )
         )
     if abs(found[at] - value) <= SAME_VALUE * (1 + abs(value)):
         return at, ""
-    return at, (
-        f"{column} = {value:g} lies between two points; the nearest, point {at}, has {found[at]:.8g} (pearlbvp branch "
-        f"--until {column}={value:g} computes the shape itself)"
+    return at, Sentence.joined(
+        said("{column} = {value:g} lies between two points", value),
+        said(f"; the nearest, point {at}, has {{value:.8g}}", found[at]),
+        said(" (pearlbvp branch --until {column}={value:g} computes the shape itself)", value),
     )
 
 

@@ -58,6 +58,31 @@ def test_options_change_the_units_of_a_saved_branch(capsys, saved):
     assert number["L"].to_numpy() == pytest.approx(15)
 
 
+def test_a_point_that_is_not_there_is_said_in_nanometres(capsys, saved, tmp_path):
+    status, _, err = run(capsys, "show", saved, "--point", "r_min=45nm", "--profile", tmp_path / "p.csv")
+    nearest = pd.read_csv(tmp_path / "p.csv")["r[nm]"].min()
+    assert status == 0
+    assert err.startswith("pearlbvp: r_min = 45 nm lies between two points; the nearest, point ")
+    assert f"has {nearest:.6g}"[:-1] in err
+    assert "(pearlbvp branch --until r_min=45nm computes the shape itself)" in err
+    for place, words in (
+        ("r_min=2um", "--point: r_min = 2000 nm is not reached on this branch, where it goes from "),
+        (
+            "C0=1/nm",
+            "--point: C0 = 1/nm is not reached on this branch, where it goes from 0.0192308/nm to 0.0192308/nm; give",
+        ),
+    ):
+        status, _, err = run(capsys, "show", saved, "--point", place, "--profile", tmp_path / "p.csv")
+        assert (status, err.count("\n")) == (2, 1)
+        assert words in err
+
+
+def test_tubes_apart_have_units(capsys, saved, tmp_path):
+    run(capsys, "vary", saved, "c0", "--until", "C0=1/(51nm)", "--save", tmp_path / "c.h5", "--out", tmp_path / "c.csv")
+    status, _, err = run(capsys, "diagram", saved, tmp_path / "c.h5")
+    assert (status, err) == (0, "pearlbvp: the branches are of different tubes: b: C0 = 0.0192308/nm; c: C0 varies\n")
+
+
 def test_flows_keep_the_units_of_the_branch_that_they_start_from(capsys, saved, tmp_path):
     start = ["flow", "--from", saved, "--delta", "1nm", "--save", tmp_path / "f.h5"]
     status, out, err = run(capsys, *start, "--time", "0.01nm/Pa")
