@@ -29,9 +29,7 @@ _NAME = rf"(?:[^\W\d_]|[Åµ°])+(?:_[A-Za-z]+)?{_POWER}?"
 _PRODUCT = rf"{_NAME}(?:(?:\s*[*/·.]\s*|\s+){_NAME})*"
 _FACTOR = rf"(?:{_NAME}|\(\s*{_PRODUCT}\s*\))"
 _UNITS = rf"{_FACTOR}(?:(?:\s*[*/·.]\s*|\s+){_FACTOR})*"
-QUANTITY = re.compile(
-    rf"\s*[+-]?{_NUMBER}\s*(?:\*?\s*{_UNITS}|/\s*(?:{_UNITS}|\(\s*{_NUMBER}\s*\*?\s*{_UNITS}\s*\)))\s*"
-)
+QUANTITY = rf"\s*[+-]?{_NUMBER}\s*(?:\*?\s*{_UNITS}|/\s*(?:{_UNITS}|\(\s*{_NUMBER}\s*\*?\s*{_UNITS}\s*\)))\s*"
 """One number and its unit, or a number by one with its unit."""
 
 
@@ -122,7 +120,7 @@ def kelvins(argument: str, text: str) -> float:
 def _parsed(argument: str, text: str, temperature: float) -> tuple[float, dict[str, float], float, str]:
     """Value in SI units, powers by dimension, the number as written and its unit."""
     wrong = InputError(f"{argument}: {text[:LONGEST]!r} is no number with a unit that is known; {_advice(text)}")
-    if len(text) > LONGEST or not QUANTITY.fullmatch(text):
+    if len(text) > LONGEST or not re.fullmatch(QUANTITY, text):
         raise wrong
     import pint
 

@@ -205,7 +205,11 @@ class Units(Conversion):
 
         known = {**QUANTITIES, **apart}
         empty = {str(name) for name in table if table[name].isna().all()}  # of what type they would be is not known
-        numbers = [str(name) for name in table if name in known or pd.api.types.is_numeric_dtype(table[name])]
+        numbers = [
+            name
+            for name in map(str, table)
+            if name in known or (name not in empty and pd.api.types.is_numeric_dtype(table[name]))
+        ]
         moved = [
             name
             for name in numbers

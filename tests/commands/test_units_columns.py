@@ -130,6 +130,28 @@ def test_columns_of_what_is_saved(capsys, saved, command, options):
     check_columns(*tables, relative=("area",) if command == "flow" else ())
 
 
+@pytest.mark.parametrize(
+    "question",
+    ["dispersion --lengths {L}", "localized --period {half} --lengths {L}", "period --lengths {L}",
+     "region --period {half} --pearls 2", "amplitude-map --lengths {L}", "branch coil --mode 1,1 --lengths {L1} --volumes 0.98"],
+)  # fmt: skip
+def test_columns_of_scans(capsys, tmp_path, question):
+    """Asked in radii and in nanometres, and written in all."""
+    tables, scan = [], ["--workers", "1", "--store", tmp_path / "s.sqlite"]
+    for words, units in ((RADII, []), (IN_NM, NM), (IN_UM, UM)):
+        asked = [word.format(**words) for word in question.split()]
+        (tmp_path / "s.sqlite").unlink(missing_ok=True)
+        status, out, err = run(capsys, "scan", *asked, f"--c0={words['c0']}", *scan, *units)
+        assert status == 0, err
+        tables.append(pd.read_csv(io.StringIO(out)))
+    check_columns(*tables)
+    status, out, err = run(
+        capsys, "scan", "--store", tmp_path / "s.sqlite", "--export", "-", *NM, "--plot", tmp_path / "s.png"
+    )
+    assert status == 0, err
+    check_columns(tables[0], pd.read_csv(io.StringIO(out)), tables[2])
+
+
 def test_all_columns_are_here():
     """A quantity with a dimension that is no column is an option, a coordinate of a picture, or a surface's."""
     elsewhere = {"length", "lengths", "periods", "y", "z", "gap", "delta", "centre", "shape", "edge", "pressure", "xi", "rate", "c0",
