@@ -1,6 +1,7 @@
 """Quantities as they are written: read by pint, compared with powers of ten that are written out here."""
 
 import math
+import sys
 
 import pytest
 from hypothesis import given
@@ -186,3 +187,14 @@ def test_times_count_in_a_mobility_of_1_or_in_seconds():
     assert timed.to_user("velocity", 1.0) == pytest.approx(25.0)
     assert timed.number("t", "0.1min", "time") == pytest.approx(6.0)
     assert math.isclose(timed.from_user("t", 6.0), 3.0)
+
+
+def test_pint_is_loaded_for_units_only(capsys, monkeypatch):
+    """Its import takes a third of a second, which commands without units do not pay."""
+    from pearlbvp import quantities
+
+    quantities._registry.cache_clear()
+    monkeypatch.setitem(sys.modules, "pint", None)  # importing it raises
+    assert run(capsys, "dispersion", "--c0", "0.48", "--length", 30, "--radius", 0.5, "--max-n", 1)[0] == 0
+    with pytest.raises(ImportError):
+        read("radius", "50nm")
