@@ -10,7 +10,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.flows.problem import FlowProblem
-from pearlbvp.membrane import with_force
+from pearlbvp.force import with_force
 from pearlbvp.quantities import NUMBER
 from pearlbvp.representation import brief
 from pearlbvp.units import RADII, Units, headed

@@ -24,8 +24,9 @@ from pearlbvp.bordered import Pinned
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
+from pearlbvp.force import with_force
 from pearlbvp.helfrich import Fixed
-from pearlbvp.membrane import MembraneProblem, with_force
+from pearlbvp.membrane import MembraneProblem
 from pearlbvp.mesh.adaptation import (
     AdaptOptions,
     adapted,
@@ -130,13 +131,8 @@ class MeshProblem(MembraneProblem):
         sums, w = self._sums(u), u[: self.mesh.count]
         (_, area, volume), (by_energy, by_area, by_volume) = sums.values, sums.gradients
         force = by_energy + u[-3] * by_area + u[-2] * by_volume + self.multipliers(u) @ self.phases
-        return np.concatenate(
-            (
-                force,
-                self.phases @ w,
-                [area - 2 * math.pi * self.length, volume - math.pi * self.length * u[-1]],
-            )
-        )
+        misses = [area - 2 * math.pi * self.length, volume - math.pi * self.length * u[-1]]
+        return np.concatenate((force, self.phases @ w, misses))
 
     def _sums(self, u: Array) -> Sums:
         return self.functional.sums(self.vertices(u), self.directions, self.c0)

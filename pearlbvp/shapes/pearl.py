@@ -27,8 +27,9 @@ from pearlbvp.collocation.polynomial import extremes
 from pearlbvp.continuation.problem import LiftError
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
+from pearlbvp.force import with_force
 from pearlbvp.helfrich import Fixed
-from pearlbvp.membrane import Grid, MembraneProblem, Surface, fixed_of_tree, with_force
+from pearlbvp.membrane import Grid, MembraneProblem, Surface, fixed_of_tree
 from pearlbvp.membrane import repeated as repeated_surface
 from pearlbvp.representation import brief
 from pearlbvp.shapes import axisymmetric, large_multipliers

@@ -16,17 +16,12 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation import (
-    Discretization,
-    equidistribute,
-    error_estimate,
-    gauss_scheme,
-    intervals_for,
-)
+from pearlbvp.collocation import Discretization, equidistribute, error_estimate, gauss_scheme, intervals_for
 from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError, SpectrumError
+from pearlbvp.force import with_force
 from pearlbvp.helfrich import Fixed, Tube, WaveNumbers
 from pearlbvp.membrane import (
     AROUND,
@@ -38,7 +33,6 @@ from pearlbvp.membrane import (
     checked_tolerance,
     fixed_of_tree,
     of_sections,
-    with_force,
 )
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.projection import of_section

@@ -18,8 +18,8 @@ from scipy.fft import next_fast_len
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
+from pearlbvp.force import with_force
 from pearlbvp.helfrich import SHORT_WAVE
-from pearlbvp.membrane import with_force
 from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.perturbations import blocks_up_to
