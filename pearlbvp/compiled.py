@@ -24,6 +24,7 @@ import numba
 from numba.core import event
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
 
@@ -65,7 +66,6 @@ class _Kept(NullCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """What was kept, or None where it has to be compiled: a file that cannot be trusted is removed."""
-        target_context.refresh()
         file = self._file(sig, target_context.codegen())
         if unusable() or not os.path.lexists(file):
             return None
@@ -75,6 +75,7 @@ class _Kept(NullCache):
             content = file.read_bytes()
             if hashlib.sha256(content[DIGEST:]).digest() != content[:DIGEST]:
                 raise ValueError("damaged")
+            rtsys.initialize(target_context)
             return CompileResult._rebuild(target_context, *pickle.loads(content[DIGEST:]))
         except Exception:  # whatever is wrong with it, it is made again
             announcement.damaged = True

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation.elimination import LinearSystem, solve, solve_signed
-from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, apply_basis, integrated_product
+from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, apply_basis
 from pearlbvp.collocation.problem import BoundaryValueProblem
 from pearlbvp.collocation.scheme import Scheme
 from pearlbvp.representation import brief
@@ -112,7 +112,7 @@ class Discretization:
 
     def at_gauss_points(self, u: Array) -> Array:
         """The states at the collocation points, shape (N*m, n)."""
-        result: Array = apply_basis(self.scheme.values, self.values(u))
+        result: Array = apply_basis(self.scheme.values, np.ascontiguousarray(self.values(u)))
         return result
 
     def residual(self, u: Array) -> Array:
@@ -143,8 +143,8 @@ class Discretization:
     def inner(self, u: Array, v: Array) -> float:
         """``integral of y_u . y_v dt + p_u . p_v``, each product with its weight: independent of the mesh."""
         k, u = len(self.free), self._weighted(u)
-        states = integrated_product(self.scheme.values, self.gauss_weights, self.values(u), self.values(v))
-        return float(states + u[u.size - k :] @ v[v.size - k :])
+        densities = (self.at_gauss_points(u) * self.at_gauss_points(v)).sum(axis=1)
+        return float(self.gauss_weights @ densities + u[u.size - k :] @ v[v.size - k :])
 
     def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
         """Solve with the residual's exact Jacobian at ``u``, bordered below by the row ``inner(row, .)``.
@@ -176,7 +176,8 @@ class Discretization:
             solution, sign = solve_signed(self.scheme, self._system(u, row), load)
         except np.linalg.LinAlgError:
             return 0.0
-        return sign / math.sqrt(self.inner(solution[:, 0], solution[:, 0]))
+        solution = solution.ravel()
+        return sign / math.sqrt(self.inner(solution, solution))
 
     def _system(self, u: Array, row: Array | None) -> LinearSystem:
         """The linearised equations at ``u`` with their borders."""

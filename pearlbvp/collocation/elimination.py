@@ -27,7 +27,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation.polynomial import apply_basis
 from pearlbvp.collocation.scheme import Scheme
 from pearlbvp.compiled import compiled
 
@@ -70,6 +69,8 @@ def _eliminate(matrix, columns, rows):  # type: ignore[no-untyped-def]
 
     Returns the sign of the determinant of what was factorised.
     """
+    height, width = matrix.shape
+    copy = np.empty(width)  # it overlaps nothing: so the compiler vectorizes the inner loop, which counts from zero
     sign = 1.0
     for k in range(columns):
         best, largest = k, abs(matrix[k, k])
@@ -77,18 +78,56 @@ def _eliminate(matrix, columns, rows):  # type: ignore[no-untyped-def]
             size = abs(matrix[row, k])
             if size > largest:
                 best, largest = row, size
-        pivot = matrix[best, k:].copy()  # a copy overlaps nothing: so the compiler vectorizes the inner loop
-        if best != k:
-            matrix[best, k:] = matrix[k, k:]
-            matrix[k, k:] = pivot
-            sign = -sign
-        if pivot[0] < 0.0:
+        pivot, source, target = copy[k:], matrix[best, k:], matrix[k, k:]
+        for column in range(pivot.size):
+            pivot[column] = source[column]
+            source[column] = target[column]
+            target[column] = pivot[column]
+        if (best != k) != (pivot[0] < 0.0):
             sign = -sign
         reciprocal = 1.0 / pivot[0]
-        for row in range(k + 1, matrix.shape[0]):
+        for row in range(k + 1, height):
             factor, target = matrix[row, k] * reciprocal, matrix[row, k:]
             for column in range(1, pivot.size):
                 target[column] -= factor * pivot[column]
+    return sign
+
+
+@compiled
+def _reflect(stack, n):  # type: ignore[no-untyped-def]
+    """Upper triangle of the first ``n`` columns of ``2n`` rows by Householder reflections, in place.
+
+    Returns the sign of the determinant of the reflections and of the triangle's diagonal together.
+    """
+    width = stack.shape[1]
+    reflector, products = np.empty(2 * n), np.empty(width)
+    sign = 1.0
+    for k in range(n):
+        norm = 0.0
+        for row in range(k, 2 * n):
+            norm += stack[row, k] ** 2
+        norm = np.sqrt(norm)
+        alpha = -norm if stack[k, k] > 0.0 else norm
+        if alpha > 0.0:  # a reflection, and a negative entry of the diagonal, each change the determinant's sign
+            sign = -sign
+        square = 0.0
+        for row in range(k, 2 * n):
+            reflector[row] = stack[row, k] - (alpha if row == k else 0.0)
+            square += reflector[row] ** 2
+        if square == 0.0:
+            continue
+        for column in range(width):
+            products[column] = 0.0
+        for row in range(k, 2 * n):
+            factor, source = reflector[row], stack[row]
+            for column in range(width):
+                products[column] += factor * source[column]
+        for row in range(k, 2 * n):
+            factor, target = 2.0 * reflector[row] / square, stack[row]
+            for column in range(width):
+                target[column] -= factor * products[column]
+        for row in range(k + 1, 2 * n):
+            stack[row, k] = 0.0
     return sign
 
 
@@ -101,27 +140,22 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
     what was eliminated.
     """
     intervals, m = h.size, weights.size
-    n, e = jacobian.shape[1], extra.shape[2]
-    c = borders.shape[1]
-    inner = n * (m - 1)
-    rows, width = n * m, n * (m + 1) + e
-    pivots = np.zeros((intervals, inner, width))
-    chain = np.zeros((intervals, n, 3 * n + e))
+    n, e, c = jacobian.shape[1], extra.shape[2], borders.shape[1]
+    inner, rows = n * (m - 1), n * m
+    width = n * (m + 1) + e
+    pivots = np.empty((intervals, inner, width))
+    chain = np.empty((intervals, n, 3 * n + e))
     block = np.zeros((n, 2 * n + e))
     border = np.zeros((c, 3 * n + e))  # columns: y_i (the current mesh point), y_0, y_{i+1}, e
-    local = np.zeros((rows + c, width))  # columns: interior values, y_i, y_{i+1}, e
-    stack = np.zeros((2 * n, 3 * n + e))  # columns: y_i, y_0, y_{i+1}, e
-    products = np.zeros(3 * n + e)
+    local = np.empty((rows + c, width))  # columns: interior values, y_i, y_{i+1}, e
+    stack = np.empty((2 * n, 3 * n + e))  # columns: y_i, y_0, y_{i+1}, e
     sign = 1.0
     for i in range(intervals):
-        local[:, :] = 0.0
+        for row in range(rows + c):
+            for column in range(width):
+                local[row, column] = 0.0
         for j in range(m + 1):
-            if j == 0:
-                first = inner
-            elif j == m:
-                first = inner + n
-            else:
-                first = (j - 1) * n
+            first = inner if j == 0 else inner + n if j == m else (j - 1) * n
             for g in range(m):
                 factor = h[i] * values[g, j]
                 for row in range(n):
@@ -137,51 +171,34 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
                 for column in range(e):
                     local[g * n + row, inner + 2 * n + column] = h[i] * extra[i * m + g, row, column]
         sign *= _eliminate(local, inner, rows)
-        pivots[i] = local[:inner]
+        for row in range(inner):
+            for column in range(width):
+                pivots[i, row, column] = local[row, column]
 
         if i == 0:
-            block[:, :] = local[inner:rows, inner:]
-            border[:, n:] = local[rows:, inner:]
+            for column in range(2 * n + e):
+                for row in range(n):
+                    block[row, column] = local[inner + row, inner + column]
+                for row in range(c):
+                    border[row, n + column] = local[rows + row, inner + column]
             continue
-        stack[:, :] = 0.0
         for row in range(n):
             for column in range(n):
                 stack[row, column] = block[row, n + column]
                 stack[row, n + column] = block[row, column]
+                stack[row, 2 * n + column] = 0.0
                 stack[n + row, column] = local[inner + row, inner + column]
+                stack[n + row, n + column] = 0.0
                 stack[n + row, 2 * n + column] = local[inner + row, inner + n + column]
             for column in range(e):
                 stack[row, 3 * n + column] = block[row, 2 * n + column]
                 stack[n + row, 3 * n + column] = local[inner + row, inner + 2 * n + column]
-        for k in range(n):
-            norm = 0.0
-            for row in range(k, 2 * n):
-                norm += stack[row, k] ** 2
-            norm = np.sqrt(norm)
-            alpha = -norm if stack[k, k] > 0.0 else norm
-            if alpha > 0.0:  # a reflection, and a negative entry of the diagonal, each change the determinant's sign
-                sign = -sign
-            reflector = stack[k:, k].copy()
-            reflector[0] -= alpha
-            square = 0.0
-            for row in range(2 * n - k):
-                square += reflector[row] ** 2
-            if square == 0.0:
-                continue
-            products[:] = 0.0
-            for row in range(2 * n - k):
-                source = stack[k + row]
-                for column in range(source.size):
-                    products[column] += reflector[row] * source[column]
-            for row in range(2 * n - k):
-                source, factor = stack[k + row], 2.0 * reflector[row] / square
-                for column in range(source.size):
-                    source[column] -= factor * products[column]
-            for row in range(k + 1, 2 * n):
-                stack[row, k] = 0.0
-        chain[i] = stack[:n]
-        block[:, :] = stack[n:, n:]
-
+        sign *= _reflect(stack, n)
+        for row in range(n):
+            for column in range(3 * n + e):
+                chain[i, row, column] = stack[row, column]
+            for column in range(2 * n + e):
+                block[row, column] = stack[n + row, n + column]
         for row in range(c):
             for column in range(n):  # the old y_{i+1} is the new y_i
                 border[row, column] = border[row, 2 * n + column] + local[rows + row, inner + column]
@@ -192,7 +209,7 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
                 factor = border[row, k] / stack[k, k]
                 for column in range(k, 3 * n + e):
                     border[row, column] -= factor * stack[k, column]
-    return pivots, chain, block, border[:, n:].copy(), sign
+    return pivots, chain, block, border, sign
 
 
 @compiled
@@ -204,8 +221,9 @@ def _substitute(pivots, chain, solved, k, s, y):  # type: ignore[no-untyped-def]
     intervals, inner = pivots.shape[0], pivots.shape[1]
     n = y.shape[1]
     m = inner // n + 1
-    y[0] = solved[:n]
-    y[intervals * m] = solved[n : 2 * n]
+    for row in range(n):
+        y[0, row] = solved[row]
+        y[intervals * m, row] = solved[n + row]
     for i in range(intervals - 1, 0, -1):
         for row in range(n - 1, -1, -1):
             value = chain[i, row, 3 * n + k + s]
@@ -238,11 +256,11 @@ def _solve(derivatives, values, weights, system, rhs):  # type: ignore[no-untype
     b, c, r = system.at_start.shape[0], system.densities.shape[1], rows.shape[0]
     gauss = h.size * m
     extra = np.empty((gauss, n, k + s))
-    borders = np.empty((gauss, c + r, n))
+    borders = np.zeros((gauss, c + r, n))
     ends = 2 * n + k
     matrix = np.zeros((ends, ends + s))
     for g in range(gauss):
-        weight = h[g // m] * weights[g % m]
+        weight, first = h[g // m] * weights[g % m], g // m * m * n
         for row in range(n):
             for column in range(k):
                 extra[g, row, column] = -system.parameter_jacobian[g, row, free[column]]
@@ -253,20 +271,31 @@ def _solve(derivatives, values, weights, system, rhs):  # type: ignore[no-untype
                 borders[g, row, column] = system.densities[g, row, column]
             for column in range(k):
                 matrix[n + b + row, 2 * n + column] += weight * system.densities_p[g, row, free[column]]
-    for row in range(r):
-        borders[:, c + row] = apply_basis(values, rows[row, : rows.shape[1] - k].reshape(-1, n))
-        matrix[n + b + c + row, 2 * n : ends] = rows[row, rows.shape[1] - k :]
+        for row in range(r):
+            for j in range(m + 1):
+                for column in range(n):
+                    borders[g, c + row, column] += values[g % m, j] * rows[row, first + j * n + column]
     pivots, chain, block, border, sign = _condense(
         derivatives, values, weights, h, system.jacobian, extra, borders, system.mass
     )
-    matrix[:n] = block
+    for row in range(n):
+        for column in range(ends + s):
+            matrix[row, column] = block[row, column]
     for row in range(b):
-        matrix[n + row, :n] = system.at_start[row]
-        matrix[n + row, n : 2 * n] = system.at_end[row]
+        for column in range(n):
+            matrix[n + row, column] = system.at_start[row, column]
+            matrix[n + row, n + column] = system.at_end[row, column]
         for column in range(k):
             matrix[n + row, 2 * n + column] = system.boundary_p[row, free[column]]
-    matrix[n + b :] += border
-    matrix[n:, ends:] += rhs[gauss * n :]
+    for row in range(r):
+        for column in range(k):
+            matrix[n + b + c + row, 2 * n + column] = rows[row, (gauss + 1) * n + column]
+    for row in range(c + r):
+        for column in range(ends + s):
+            matrix[n + b + row, column] += border[row, n + column]
+    for row in range(ends - n):
+        for column in range(s):
+            matrix[n + row, ends + column] += rhs[gauss * n + row, column]
     sign *= _eliminate(matrix, ends, ends)
     regular = True
     for row in range(ends):
@@ -281,8 +310,10 @@ def _solve(derivatives, values, weights, system, rhs):  # type: ignore[no-untype
                 value -= matrix[row, column] * solved[column]
             solved[row] = value / matrix[row, row]
         _substitute(pivots, chain, solved, k, side, y)
-        result[: y.size, side] = y.ravel()
-        result[y.size :, side] = solved[2 * n :]
+        for row in range((gauss + 1) * n):
+            result[row, side] = y[row // n, row % n]
+        for row in range(k):
+            result[(gauss + 1) * n + row, side] = solved[2 * n + row]
     return result, regular, sign
 
 

@@ -11,40 +11,22 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation.polynomial import PiecewisePolynomial
-from pearlbvp.compiled import compiled
 
 
 def derivative_estimate(solution: PiecewisePolynomial) -> Array:
     """Size of ``y^(m+1)`` on each interval, from the jumps of the piecewise constant ``y^(m)``: shape (N,).
 
-    Components are measured relative to one plus their largest value.
+    Components are measured relative to one plus their largest value. At the ends the nearest jump stands for the missing
+    one; a single interval has its own size instead.
     """
-    result: Array = _derivative_estimate(solution.scheme.leading, solution.mesh, solution.values)
-    return result
-
-
-@compiled
-def _derivative_estimate(leading, mesh, values):  # type: ignore[no-untyped-def]
-    m, intervals, n = leading.size - 1, mesh.size - 1, values.shape[1]
-    estimate = np.zeros(intervals)
-    highest, jumps = np.empty(intervals), np.empty(intervals + 1)
-    for column in range(n):
-        size = 1.0
-        for point in range(values.shape[0]):
-            size = max(size, 1.0 + abs(values[point, column]))
-        for i in range(intervals):
-            highest[i] = 0.0
-            for j in range(m + 1):
-                highest[i] += leading[j] * values[i * m + j, column]
-            highest[i] /= (mesh[i + 1] - mesh[i]) ** m
-        for i in range(1, intervals):
-            jumps[i] = abs(highest[i] - highest[i - 1]) / ((mesh[i + 1] - mesh[i - 1]) / 2)
-        # At the ends the nearest jump stands for the missing one; a single interval has its own size instead.
-        jumps[0] = jumps[1] if intervals > 1 else abs(highest[0]) / (mesh[1] - mesh[0])
-        jumps[intervals] = jumps[intervals - 1]
-        for i in range(intervals):
-            estimate[i] = max(estimate[i], (jumps[i] + jumps[i + 1]) / 2 / size)
-    return estimate
+    h = np.diff(solution.mesh)
+    sizes = 1.0 + np.abs(solution.values).max(axis=0)
+    highest = (solution.scheme.leading @ solution.local()) / (h**solution.scheme.m)[:, None] / sizes
+    if len(h) == 1:
+        return np.asarray(np.abs(highest).max(axis=1) / h)
+    inner = np.abs(np.diff(highest, axis=0)) / ((h[:-1] + h[1:]) / 2)[:, None]
+    jumps = np.concatenate((inner[:1], inner, inner[-1:]))
+    return np.asarray((jumps[:-1] + jumps[1:]).max(axis=1) / 2)
 
 
 def error_estimate(solution: PiecewisePolynomial) -> Array:

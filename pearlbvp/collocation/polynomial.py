@@ -124,19 +124,3 @@ def apply_basis(basis, values):  # type: ignore[no-untyped-def]
                 for column in range(row.size):
                     row[column] += factor * source[column]
     return result
-
-
-@compiled
-def integrated_product(basis, weights, first, second):  # type: ignore[no-untyped-def]
-    """Quadrature of the inner product of two functions: basis (g, m + 1), weights (N*g,), values (N*m + 1, n)."""
-    at, points = basis.shape
-    total = 0.0
-    for i in range((first.shape[0] - 1) // (points - 1)):
-        for g in range(at):
-            for column in range(first.shape[1]):
-                one = other = 0.0
-                for j in range(points):
-                    one += basis[g, j] * first[i * (points - 1) + j, column]
-                    other += basis[g, j] * second[i * (points - 1) + j, column]
-                total += weights[i * at + g] * one * other
-    return total

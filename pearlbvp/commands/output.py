@@ -166,12 +166,13 @@ def write(
     """
 
     def draw_and_save() -> None:
+        if plot is None:
+            return
         from pearlbvp.figures.canvas import save_figure
         from pearlbvp.files import write_whole
 
-        if plot is not None:
-            figure = draw()
-            write_whole("--plot", plot, lambda path: save_figure(figure, path))
+        figure = draw()
+        write_whole("--plot", plot, lambda path: save_figure(figure, path))
 
     first = (lambda: print_table(table)) if out is None else (lambda: write_table("--out", out, table))
     _all_of((first, *others, draw_and_save))
