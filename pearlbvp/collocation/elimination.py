@@ -132,45 +132,59 @@ def _reflect(stack, n):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass):  # type: ignore[no-untyped-def]
-    """Step 1 in every interval and step 2 along them; see the module's docstring.
+def _condense(derivatives, values, weights, system, rhs):  # type: ignore[no-untyped-def]
+    """Steps 1 and 2, and the matrix of step 3 factorised; see the module's docstring.
 
-    ``extra`` has shape (N*m, n, e). Returns the eliminated rows of each interval, those of each inner mesh point, the
-    last block row (n, 2n + e) on ``y_0, y_N, e``, the borders (c, 2n + e) on the same, and the sign of the determinant of
-    what was eliminated.
+    Returns:
+        The eliminated rows of each interval, those of each inner mesh point, the block row (n, 2n + e) that is left on ``y_0,
+        y_N, e``, the dense matrix (2n + k, 2n + e) after its elimination, and the sign of the determinant of all that was
+        eliminated. With fewer conditions than unknowns the dense matrix is left as it is.
     """
-    intervals, m = h.size, weights.size
-    n, e, c = jacobian.shape[1], extra.shape[2], borders.shape[1]
-    inner, rows = n * (m - 1), n * m
+    h, jacobian, by_p, mass, at_start, at_end, boundary_p, densities, densities_p, free, rows = system
+    intervals, m, n, k, s = h.size, weights.size, jacobian.shape[1], free.size, rhs.shape[1]
+    b, c, r = at_start.shape[0], densities.shape[1], rows.shape[0]
+    gauss, inner, e, ends = intervals * m, n * (m - 1), k + s, 2 * n + k
     width = n * (m + 1) + e
     pivots = np.empty((intervals, inner, width))
     chain = np.empty((intervals, n, 3 * n + e))
     block = np.zeros((n, 2 * n + e))
-    border = np.zeros((c, 3 * n + e))  # columns: y_i (the current mesh point), y_0, y_{i+1}, e
-    local = np.empty((rows + c, width))  # columns: interior values, y_i, y_{i+1}, e
+    border = np.zeros((c + r, 3 * n + e))  # columns: y_i (the current mesh point), y_0, y_{i+1}, e
+    local = np.empty((n * m + c + r, width))  # columns: interior values, y_i, y_{i+1}, e
     stack = np.empty((2 * n, 3 * n + e))  # columns: y_i, y_0, y_{i+1}, e
+    matrix = np.zeros((ends, 2 * n + e))
     sign = 1.0
     for i in range(intervals):
-        for row in range(rows + c):
+        for row in range(local.shape[0]):
             for column in range(width):
                 local[row, column] = 0.0
-        for j in range(m + 1):
-            first = inner if j == 0 else inner + n if j == m else (j - 1) * n
-            for g in range(m):
-                factor = h[i] * values[g, j]
+        for g in range(m):
+            at, weight = i * m + g, h[i] * weights[g]
+            for j in range(m + 1):
+                first = inner if j == 0 else inner + n if j == m else (j - 1) * n
                 for row in range(n):
                     for column in range(n):
-                        local[g * n + row, first + column] = -factor * jacobian[i * m + g, row, column]
+                        local[g * n + row, first + column] = -h[i] * values[g, j] * jacobian[at, row, column]
                     local[g * n + row, first + row] += mass[row] * derivatives[g, j]
-                factor *= weights[g]
                 for row in range(c):
                     for column in range(n):
-                        local[rows + row, first + column] += factor * borders[i * m + g, row, column]
-        for g in range(m):
+                        local[n * m + row, first + column] += weight * values[g, j] * densities[at, row, column]
             for row in range(n):
-                for column in range(e):
-                    local[g * n + row, inner + 2 * n + column] = h[i] * extra[i * m + g, row, column]
-        sign *= _eliminate(local, inner, rows)
+                for column in range(k):
+                    local[g * n + row, inner + 2 * n + column] = -h[i] * by_p[at, row, free[column]]
+                for column in range(s):
+                    local[g * n + row, inner + 2 * n + k + column] = h[i] * rhs[at * n + row, column]
+            for row in range(c):
+                for column in range(k):
+                    matrix[n + b + row, 2 * n + column] += weight * densities_p[at, row, free[column]]
+            for row in range(r):
+                for column in range(n):
+                    value = 0.0
+                    for j in range(m + 1):
+                        value += values[g, j] * rows[row, (i * m + j) * n + column]
+                    for j in range(m + 1):
+                        first = inner if j == 0 else inner + n if j == m else (j - 1) * n
+                        local[n * m + c + row, first + column] += weight * values[g, j] * value
+        sign *= _eliminate(local, inner, n * m)
         for row in range(inner):
             for column in range(width):
                 pivots[i, row, column] = local[row, column]
@@ -179,8 +193,8 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
             for column in range(2 * n + e):
                 for row in range(n):
                     block[row, column] = local[inner + row, inner + column]
-                for row in range(c):
-                    border[row, n + column] = local[rows + row, inner + column]
+                for row in range(c + r):
+                    border[row, n + column] = local[n * m + row, inner + column]
             continue
         for row in range(n):
             for column in range(n):
@@ -199,122 +213,83 @@ def _condense(derivatives, values, weights, h, jacobian, extra, borders, mass): 
                 chain[i, row, column] = stack[row, column]
             for column in range(2 * n + e):
                 block[row, column] = stack[n + row, n + column]
-        for row in range(c):
+        for row in range(c + r):
             for column in range(n):  # the old y_{i+1} is the new y_i
-                border[row, column] = border[row, 2 * n + column] + local[rows + row, inner + column]
-                border[row, 2 * n + column] = local[rows + row, inner + n + column]
+                border[row, column] = border[row, 2 * n + column] + local[n * m + row, inner + column]
+                border[row, 2 * n + column] = local[n * m + row, inner + n + column]
             for column in range(e):
-                border[row, 3 * n + column] += local[rows + row, inner + 2 * n + column]
-            for k in range(n):
-                factor = border[row, k] / stack[k, k]
-                for column in range(k, 3 * n + e):
-                    border[row, column] -= factor * stack[k, column]
-    return pivots, chain, block, border, sign
+                border[row, 3 * n + column] += local[n * m + row, inner + 2 * n + column]
+            for pivot in range(n):
+                factor = border[row, pivot] / stack[pivot, pivot]
+                for column in range(pivot, 3 * n + e):
+                    border[row, column] -= factor * stack[pivot, column]
 
-
-@compiled
-def _substitute(pivots, chain, solved, k, s, y):  # type: ignore[no-untyped-def]
-    """Back-substitution into ``y``, shape (N*m + 1, n), for the right-hand side ``s``.
-
-    ``solved`` holds ``y_0, y_N`` and the ``k`` parameters, shape (2n + k,).
-    """
-    intervals, inner = pivots.shape[0], pivots.shape[1]
-    n = y.shape[1]
-    m = inner // n + 1
-    for row in range(n):
-        y[0, row] = solved[row]
-        y[intervals * m, row] = solved[n + row]
-    for i in range(intervals - 1, 0, -1):
-        for row in range(n - 1, -1, -1):
-            value = chain[i, row, 3 * n + k + s]
-            for column in range(k):
-                value -= chain[i, row, 3 * n + column] * solved[2 * n + column]
-            for column in range(n):
-                value -= chain[i, row, n + column] * y[0, column]
-                value -= chain[i, row, 2 * n + column] * y[(i + 1) * m, column]
-            for column in range(row + 1, n):
-                value -= chain[i, row, column] * y[i * m, column]
-            y[i * m, row] = value / chain[i, row, row]
-    for i in range(intervals):
-        for row in range(inner - 1, -1, -1):
-            value = pivots[i, row, inner + 2 * n + k + s]
-            for column in range(k):
-                value -= pivots[i, row, inner + 2 * n + column] * solved[2 * n + column]
-            for column in range(n):
-                value -= pivots[i, row, inner + column] * y[i * m, column]
-                value -= pivots[i, row, inner + n + column] * y[(i + 1) * m, column]
-            for column in range(row + 1, inner):
-                value -= pivots[i, row, column] * y[i * m + 1 + column // n, column % n]
-            y[i * m + 1 + row // n, row % n] = value / pivots[i, row, row]
-
-
-@compiled
-def _solve(derivatives, values, weights, system, rhs):  # type: ignore[no-untyped-def]
-    """Step 3 around ``_condense`` and ``_substitute``: the solutions, whether the matrix is regular, its determinant's sign."""
-    h, free, rows = system.h, system.free, system.rows
-    n, m, k, s = system.jacobian.shape[1], weights.size, free.size, rhs.shape[1]
-    b, c, r = system.at_start.shape[0], system.densities.shape[1], rows.shape[0]
-    gauss = h.size * m
-    extra = np.empty((gauss, n, k + s))
-    borders = np.zeros((gauss, c + r, n))
-    ends = 2 * n + k
-    matrix = np.zeros((ends, ends + s))
-    for g in range(gauss):
-        weight, first = h[g // m] * weights[g % m], g // m * m * n
+    for column in range(2 * n + e):
         for row in range(n):
-            for column in range(k):
-                extra[g, row, column] = -system.parameter_jacobian[g, row, free[column]]
-            for column in range(s):
-                extra[g, row, k + column] = rhs[g * n + row, column]
-        for row in range(c):
-            for column in range(n):
-                borders[g, row, column] = system.densities[g, row, column]
-            for column in range(k):
-                matrix[n + b + row, 2 * n + column] += weight * system.densities_p[g, row, free[column]]
-        for row in range(r):
-            for j in range(m + 1):
-                for column in range(n):
-                    borders[g, c + row, column] += values[g % m, j] * rows[row, first + j * n + column]
-    pivots, chain, block, border, sign = _condense(
-        derivatives, values, weights, h, system.jacobian, extra, borders, system.mass
-    )
-    for row in range(n):
-        for column in range(ends + s):
             matrix[row, column] = block[row, column]
+        for row in range(c + r):
+            matrix[n + b + row, column] += border[row, n + column]
     for row in range(b):
         for column in range(n):
-            matrix[n + row, column] = system.at_start[row, column]
-            matrix[n + row, n + column] = system.at_end[row, column]
+            matrix[n + row, column] = at_start[row, column]
+            matrix[n + row, n + column] = at_end[row, column]
         for column in range(k):
-            matrix[n + row, 2 * n + column] = system.boundary_p[row, free[column]]
+            matrix[n + row, 2 * n + column] = boundary_p[row, free[column]]
     for row in range(r):
         for column in range(k):
-            matrix[n + b + c + row, 2 * n + column] = rows[row, (gauss + 1) * n + column]
-    for row in range(c + r):
-        for column in range(ends + s):
-            matrix[n + b + row, column] += border[row, n + column]
-    for row in range(ends - n):
+            matrix[n + b + c + row, 2 * n + column] += rows[row, (gauss + 1) * n + column]
+    for row in range(b + c + r):
         for column in range(s):
             matrix[n + row, ends + column] += rhs[gauss * n + row, column]
-    sign *= _eliminate(matrix, ends, ends)
-    regular = True
-    for row in range(ends):
-        regular = regular and matrix[row, row] != 0.0 and np.isfinite(matrix[row, row])
-    result = np.empty_like(rhs)
-    y = np.empty((gauss + 1, n))
-    solved = np.empty(ends)
+    if n + b + c + r == ends:
+        sign *= _eliminate(matrix, ends, ends)
+    return pivots, chain, block, matrix, sign
+
+
+@compiled
+def _substitute(pivots, chain, matrix, k):  # type: ignore[no-untyped-def]
+    """Back-substitution in what ``_condense`` eliminated: the solutions, shape (N*m*n + n + k, s)."""
+    intervals, inner, n, ends = pivots.shape[0], pivots.shape[1], chain.shape[1], matrix.shape[0]
+    m, s = inner // n + 1, matrix.shape[1] - ends
+    result = np.empty((intervals * m * n + n + k, s))
+    y = np.empty((intervals * m + 1, n))
+    solved = np.empty(ends)  # y_0, y_N and the parameters
     for side in range(s):
         for row in range(ends - 1, -1, -1):
             value = matrix[row, ends + side]
             for column in range(row + 1, ends):
                 value -= matrix[row, column] * solved[column]
             solved[row] = value / matrix[row, row]
-        _substitute(pivots, chain, solved, k, side, y)
-        for row in range((gauss + 1) * n):
+        for row in range(n):
+            y[0, row] = solved[row]
+            y[intervals * m, row] = solved[n + row]
+        for i in range(intervals - 1, 0, -1):
+            for row in range(n - 1, -1, -1):
+                value = chain[i, row, 3 * n + k + side]
+                for column in range(k):
+                    value -= chain[i, row, 3 * n + column] * solved[2 * n + column]
+                for column in range(n):
+                    value -= chain[i, row, n + column] * y[0, column]
+                    value -= chain[i, row, 2 * n + column] * y[(i + 1) * m, column]
+                for column in range(row + 1, n):
+                    value -= chain[i, row, column] * y[i * m, column]
+                y[i * m, row] = value / chain[i, row, row]
+        for i in range(intervals):
+            for row in range(inner - 1, -1, -1):
+                value = pivots[i, row, inner + 2 * n + k + side]
+                for column in range(k):
+                    value -= pivots[i, row, inner + 2 * n + column] * solved[2 * n + column]
+                for column in range(n):
+                    value -= pivots[i, row, inner + column] * y[i * m, column]
+                    value -= pivots[i, row, inner + n + column] * y[(i + 1) * m, column]
+                for column in range(row + 1, inner):
+                    value -= pivots[i, row, column] * y[i * m + 1 + column // n, column % n]
+                y[i * m + 1 + row // n, row % n] = value / pivots[i, row, row]
+        for row in range((intervals * m + 1) * n):
             result[row, side] = y[row // n, row % n]
         for row in range(k):
-            result[(gauss + 1) * n + row, side] = solved[2 * n + row]
-    return result, regular, sign
+            result[(intervals * m + 1) * n + row, side] = solved[2 * n + row]
+    return result
 
 
 def solve(scheme: Scheme, system: LinearSystem, rhs: Array) -> Array:
@@ -340,10 +315,11 @@ def solve_signed(scheme: Scheme, system: LinearSystem, rhs: Array) -> tuple[Arra
     The order of rows and columns in which it is taken makes it the same on all meshes that resolve the problem: intervals
     count for nothing, because on short ones ``mass y' - jacobian y`` has the sign of ``mass y'``.
     """
-    result, regular, sign = _solve(scheme.derivatives, scheme.values, scheme.weights, system, rhs)
-    if not regular:
+    pivots, chain, _, matrix, sign = _condense(scheme.derivatives, scheme.values, scheme.weights, system, rhs)
+    diagonal = matrix.diagonal()
+    if not (np.isfinite(diagonal) & (diagonal != 0.0)).all():
         raise np.linalg.LinAlgError("the collocation matrix is singular or has entries that are not finite")
-    return result, float(sign)
+    return _substitute(pivots, chain, matrix, system.free.size), float(sign)
 
 
 def transfer_pencil(scheme: Scheme, h: Array, jacobian: Array) -> tuple[Array, Array]:
@@ -351,16 +327,10 @@ def transfer_pencil(scheme: Scheme, h: Array, jacobian: Array) -> tuple[Array, A
 
     The pair stays accurate where the transfer matrix ``-A_1^{-1} A_0`` itself overflows or is ill-conditioned.
     """
-    n = jacobian.shape[1]
-    empty = np.zeros((len(jacobian), n, 0))
-    _, _, block, _, _ = _condense(
-        scheme.derivatives,
-        scheme.values,
-        scheme.weights,
-        h,
-        jacobian,
-        empty,
-        np.zeros((len(jacobian), 0, n)),
-        np.ones(n),
-    )
+    points, n = jacobian.shape[:2]
+    shapes = [(0, n), (0, n), (0, 0), (points, 0, n), (points, 0, 0)]
+    nothing = (*map(np.empty, shapes), np.empty(0, dtype=np.intp), np.empty((0, points * n + n)))
+    system = LinearSystem(h, jacobian, np.empty((points, n, 0)), np.ones(n), *nothing)
+    rhs = np.empty((points * n, 0))
+    _, _, block, _, _ = _condense(scheme.derivatives, scheme.values, scheme.weights, system, rhs)
     return block[:, :n].copy(), block[:, n:].copy()
