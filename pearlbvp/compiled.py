@@ -156,7 +156,7 @@ class _Announcement(event.Listener):
         elif self.damaged:
             when = f"again: what was kept of them in {folder()} was damaged or not yours, and is removed"
         else:
-            when = "once after installation, which can take a minute"
+            when = "once after installation, which takes about ten seconds"
         say(f"compiling its inner loops {when} ...")
 
     def on_end(self, event: Any) -> None:

@@ -106,11 +106,16 @@ def flow(
     from pearlbvp.flows.driver import FlowOptions
     from pearlbvp.flows.driver import flow as run
     from pearlbvp.studies.branch import known_point
-    from pearlbvp.studies.flow_start import mesh_start, solution_start
+    from pearlbvp.studies.flow_start import solution_start
 
     check_names(how, [field.name for field in fields(FlowOptions)])
     known_point(start)
-    begun = solution_start(start, law=law, size=size) if nodes is None else mesh_start(start, nodes, law=law)
+    if nodes is None:
+        begun = solution_start(start, law=law, size=size)
+    else:
+        from pearlbvp.studies.mesh_flow import mesh_start
+
+        begun = mesh_start(start, nodes, law=law)
     return run(begun.problem, begun.perturbed(perturb, delta), FlowOptions(**how))
 
 

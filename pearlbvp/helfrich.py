@@ -23,6 +23,9 @@ WaveNumbers = tuple[int, int]
 SHORT_WAVE = 4.0
 """Wave number beyond which amplitudes and multipliers of a branch are measured by powers of it, as they are of its size."""
 
+SMALLEST_AMPLITUDE = 1e-6
+"""Amplitude below which a shape is the straight tube."""
+
 LARGEST_C0, SHORTEST, LONGEST = 1e4, 1e-4, 1e8
 """Beyond these a number is a mistake of units, and arithmetic loses its digits."""
 

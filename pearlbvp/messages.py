@@ -58,3 +58,8 @@ def why_not_written(error: OSError) -> str:
     if error.errno == errno.EBADF:
         return "standard output: it is closed; open it, or use --out"
     return f"standard output: {error.strerror or error}; free space or use --out"
+
+
+def counted(number: int, one: str, many: str = "") -> str:
+    """``1 face`` or ``3 faces``."""
+    return f"{number} {one if number == 1 else many or one + 's'}"

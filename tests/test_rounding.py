@@ -11,7 +11,8 @@ from pearlbvp.mesh import rounding
 from pearlbvp.mesh.families import jittered, tube_mesh
 from pearlbvp.mesh.files import read_smooth_tube, read_tube, write_mesh
 from pearlbvp.rounding import steps
-from pearlbvp.studies.flow_start import profile_start, surface_start
+from pearlbvp.studies.flow_start import profile_start
+from pearlbvp.studies.mesh_flow import surface_start
 from pearlbvp.studies.profiles import without_rounding
 
 L = 10 / 3

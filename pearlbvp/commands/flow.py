@@ -320,8 +320,7 @@ def _start(
     """Problem and coordinates of the start."""
     from pearlbvp.helfrich import Tube, finite
     from pearlbvp.studies.branch import branch_options, family_branch
-    from pearlbvp.studies.flow_start import mesh_start, profile_start, solution_start
-    from pearlbvp.studies.mesh import NODES
+    from pearlbvp.studies.flow_start import profile_start, solution_start
     from pearlbvp.studies.point import chosen, sample
     from pearlbvp.studies.profiles import read_profile
     from pearlbvp.units import Sentence
@@ -361,10 +360,12 @@ def _start(
             raise InputError(Sentence.joined(place, branch.reason, advice))
         point = "-1"
     at = chosen(branch, point, family)
-    if nodes is not None or at.problem.own_mesh(at.u) is not None:
-        start = mesh_start(at, NODES if nodes is None else nodes, kind=discretization, law=law)
-    else:
+    if nodes is None:
         start = solution_start(at, law=law, size=size, points=points, symmetric=not tube)
+    else:
+        from pearlbvp.studies.mesh_flow import mesh_start
+
+        start = mesh_start(at, nodes, kind=discretization, law=law)
     return start.problem, start.perturbed(perturb, delta, xi=xi, centre=centre, keep=keep)
 
 
@@ -373,7 +374,7 @@ def _of_a_file(
 ) -> tuple[Any, Any]:
     """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
     from pearlbvp.mesh.files import check_radius, read_smooth_tube
-    from pearlbvp.studies.flow_start import surface_start
+    from pearlbvp.studies.mesh_flow import surface_start
 
     found, said = read_smooth_tube(path, units.to_user("length", length), "--mesh")
     surface = units.surface_from_user(found)

@@ -39,6 +39,9 @@ class Event(Generic[P]):
 EIGENVALUE = 2e-13
 """Accuracy of the arclength at zeros of growth rates, which have the rounding of their derivatives."""
 
+JUMP = 0.01
+"""Size of a growth rate at its zero, by the larger one at the ends, beyond which it is no zero: the path has jumped."""
+
 DIFFERENCE = 1e-9
 """Size of slopes, as differences know them, by that at the ends of a step."""
 
@@ -188,14 +191,14 @@ def events_between(
         locating(done, len(crossings))
         if block == problem.trivial_block and not problem.conserved:
             continue  # stability changes where the branch neither turns nor meets another
-        event = _located(
-            segment,
-            "bp",
-            lambda p, b=block, i=k: float(p.problem.block_rates(p.u, b, last.spectrum)[i]),  # type: ignore[misc]
-            (before, after),
-            block=block,
-            change=block.multiplicity if after > before else -block.multiplicity,
-        )
+
+        def rate(point: Solution[P], block: Any = block, k: int = k) -> float:
+            return float(point.problem.block_rates(point.u, block, last.spectrum)[k])
+
+        change = block.multiplicity if after > before else -block.multiplicity
+        event = _located(segment, "bp", rate, (before, after), block=block, change=change)
+        if event.converged and abs(rate(event.point)) > JUMP * max(abs(before), abs(after)):
+            event = replace(event, s=segment.length, point=last, converged=False)
         # In the problem's own block a rate changes sign where the conserved quantity turns: that is the fold.
         if block == problem.trivial_block and turn is not None and abs(turn.s - event.s) < 1e-4:
             continue

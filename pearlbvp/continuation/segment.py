@@ -18,6 +18,7 @@ from pearlbvp.continuation.problem import P
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.representation import brief
+from pearlbvp.roots import NoRoot, root
 
 BESIDE = 1e-9
 """Largest residual of a solution beside a branch point."""
@@ -113,7 +114,7 @@ class Segment(Generic[P]):
     def root(
         self, function: Callable[[Solution[P]], float], at_first: float, tolerance: float = 1e-13, noise: float = 0.0
     ) -> Solution[P]:
-        """The point where a function changes its sign (Brent's method).
+        """The point where a function changes its sign (``roots.root``).
 
         Args:
             function: of a point.
@@ -124,7 +125,6 @@ class Segment(Generic[P]):
         Raises:
             PathEnd: no sign change on the first point's mesh, or the corrector fails.
         """
-        from scipy.optimize import brentq  # a fifth of a second to import, and only this needs it
 
         def value(s: float) -> float:
             if s == 0:
@@ -143,8 +143,7 @@ class Segment(Generic[P]):
         end = next((s for s in ends if value(s) * at_first <= 0), None)
         if end is None:
             raise PathEnd("a sign change between two points is lost on the first one's mesh; take shorter steps")
-        xtol = tolerance * (1 + abs(self.length))
-        s, how = brentq(value, 0.0, end, xtol=xtol, rtol=1e-14, maxiter=100, full_output=True, disp=False)
-        if not how.converged:
-            raise PathEnd("a sign change between two points cannot be located; take shorter steps")
-        return self.point(float(s))
+        try:
+            return self.point(root(value, 0.0, end, tolerance * (1 + abs(self.length))))
+        except NoRoot as error:
+            raise PathEnd("a sign change between two points cannot be located; take shorter steps") from error

@@ -15,6 +15,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.mesh.formats.soup import Soup
 from pearlbvp.mesh.periodic import MeshError
 from pearlbvp.mesh.polygons import split
+from pearlbvp.messages import counted
 
 SAME = 1e-5
 """Distance, in median edges, at which two points are one, and height, in its longest edge, at which a triangle has no area."""
@@ -62,11 +63,6 @@ class Surface:
     def error(self, template: str, *corners: int) -> MeshError:
         """An error about corners ``3 t + a``, by the file's numbers; see ``MeshError``."""
         return MeshError.at(template, self.triangles, *corners).renumbered(self.corners, self.first, self.faces)
-
-
-def counted(number: int, one: str, many: str = "") -> str:
-    """``1 face`` or ``3 faces``."""
-    return f"{number} {one if number == 1 else many or one + 's'}"
 
 
 def repaired(soup: Soup) -> Surface:

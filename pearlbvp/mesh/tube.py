@@ -14,8 +14,9 @@ from pearlbvp.errors import InputError
 from pearlbvp.mesh.caps import Mask, caps, edges_of, loops_of
 from pearlbvp.mesh.formats.soup import Soup
 from pearlbvp.mesh.periodic import MeshError, PeriodicMesh
-from pearlbvp.mesh.repair import SAME, Surface, counted, repaired
+from pearlbvp.mesh.repair import SAME, Surface, repaired
 from pearlbvp.mesh.seam import SEAM, Seam, named, of_ends, of_wrapped, overlap, turned
+from pearlbvp.messages import counted
 
 UNLIKE = 1e-4
 """Relative difference of area or volume between the mesh and the file's own triangles that is none."""

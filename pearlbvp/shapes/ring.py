@@ -13,7 +13,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import Discretization, equidistribute, error_estimate, gauss_scheme, intervals_for
@@ -37,6 +36,7 @@ from pearlbvp.membrane import (
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.projection import of_section
 from pearlbvp.representation import brief
+from pearlbvp.roots import root
 from pearlbvp.shapes.lobe import HALF_LOBE
 from pearlbvp.stability.planar import PlanarBlock, PlaneProfile, planar_rates, planar_spectrum
 from pearlbvp.theory.elastica import lobes
@@ -157,7 +157,7 @@ class RingProblem(MembraneProblem):
             def excess(t: float) -> float:
                 return float(profile.states(np.array([t]))[0, column]) - level
 
-            return float(brentq(excess, points[last - 1], points[last], xtol=1e-15))
+            return root(excess, float(points[last - 1]), float(points[last]), 1e-15)
 
         place = 1.0
         if self.n > 2:  # for n = 2 the narrowest place is the waist, where psi is pi/2

@@ -15,6 +15,9 @@ from pearlbvp.arrays import Array
 from pearlbvp.collocation.elimination import transfer_pencil
 from pearlbvp.stability.profile import Profile, curvatures
 
+SHIFT = 0.31 + 0.53j
+"""A number inside the unit circle, beside the axes, where no multiplier lies but by chance."""
+
 
 def jacobi_matrices(profile: Profile, n: int, mu: float = 0.0) -> Array:
     """Matrices ``M`` of ``y' = M y``, ``y = (w, w', D, D')``, ``'`` by sigma, at the Gauss points: (N*m, 4, 4)."""
@@ -47,14 +50,14 @@ def multipliers(profile: Profile, n: int, mu: float = 0.0) -> NDArray[np.complex
 
     At ``mu = 0`` translation along the axis gives a double multiplier 1 at ``n = 0``, translations across it at
     ``n = 1``. A double multiplier is found to the square root of rounding only; ``neutral_cosines`` has no such loss.
-    The QZ method on the pencil keeps those on the unit circle accurate where others grow like ``e^{n S}``.
+    Those on the unit circle stay accurate where others grow like ``e^{n S}``: they are eigenvalues of the pencil, not of a
+    product, and shift and inversion makes of them the middling ones, ``1 / (rho - SHIFT)``, of an ordinary matrix.
     """
-    from scipy.linalg import eigvals  # scipy.linalg costs a sixth of a second to import, and only this needs it
-
     a0, a1 = transfer_pencil(profile.states.scheme, np.diff(profile.states.mesh), jacobi_matrices(profile, n, mu))
     if profile.half:
         a0, a1 = _unfolded(a0, a1)
-    rho: NDArray[np.complex128] = eigvals(-a0, a1)
+    with np.errstate(divide="ignore"):  # by an infinite multiplier's zero
+        rho = np.asarray(SHIFT + 1 / np.linalg.eigvals(np.linalg.solve(-a0 - SHIFT * a1, a1)))
     return rho[np.argsort(np.abs(rho))]
 
 

@@ -6,7 +6,6 @@ A family is one object (``membrane.Family``) in one file. Another package adds i
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from importlib import import_module
 from importlib.metadata import entry_points
 
@@ -59,10 +58,12 @@ def family(name: str) -> Family:
     return _added[name]
 
 
-def problems() -> Iterator[type[MembraneProblem]]:
-    """The classes of problems of all families, and of shapes on meshes: files may hold solutions of any."""
-    from pearlbvp.mesh.problem import MeshProblem
-    from pearlbvp.tube.problem import TubeProblem
+def problem(stored_as: object) -> type[MembraneProblem] | None:
+    """The class of problems that files call so, of any family or on meshes; None where there is none."""
+    if stored_as == "mesh":
+        from pearlbvp.mesh.problem import MeshProblem
 
-    yield from (MeshProblem, TubeProblem)
-    yield from (family(name).problem for name in names())
+        return MeshProblem
+    own = {"pearl": "pearl", "ring": "ring", "tube": "coil"}
+    others = [own[stored_as]] if stored_as in own else [name for name in names() if name not in ROOMS]
+    return next((found for found in (family(name).problem for name in others) if found.stored_as == stored_as), None)

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from importlib import import_module
 from typing import Any
 
-from pearlbvp.flows.axisymmetric import GraphFlow
 from pearlbvp.flows.checkpoint import KIND, state_of_tree, state_tree
-from pearlbvp.flows.mesh import MeshFlow
 from pearlbvp.flows.problem import FlowProblem
 from pearlbvp.flows.record import FlowState
-from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.hdf5 import load_tree, save_tree
 from pearlbvp.units import RADII, Units
 
-KINDS: dict[str, Any] = {"graph": GraphFlow, "tube": TubeFlow, "mesh": MeshFlow}
+KINDS = {"graph": ("axisymmetric", "GraphFlow"), "tube": ("tube", "TubeFlow"), "mesh": ("mesh", "MeshFlow")}
+"""Where the discretizations are, so that each is imported only by who needs it."""
 
 
 def _problem(tree: Mapping[str, Any]) -> FlowProblem:
     """A discretization from what a file says of it."""
-    found: FlowProblem = KINDS[str(tree["kind"])].from_tree(tree)
+    file, name = KINDS[str(tree["kind"])]
+    found: FlowProblem = getattr(import_module(f"pearlbvp.flows.{file}"), name).from_tree(tree)
     return found
 
 

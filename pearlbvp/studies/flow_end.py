@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,23 +21,22 @@ from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.flows.axisymmetric import GraphFlow
-from pearlbvp.flows.mesh import MeshFlow
 from pearlbvp.flows.record import Equilibrium, FlowResult
 from pearlbvp.flows.tube import TubeFlow
-from pearlbvp.helfrich import Fixed
-from pearlbvp.mesh.problem import MeshProblem, about
-from pearlbvp.mesh.start import solved
+from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Fixed
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.branch import known_options
 from pearlbvp.studies.flow_start import UNLIKE
-from pearlbvp.studies.mesh import SMALLEST_AMPLITUDE
 from pearlbvp.tube.isotropy import NEGLIGIBLE, StandardPosition, standard_position
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import PLANE_TOLERANCE, TubeProblem
 from pearlbvp.tube.symmetry import TubeSymmetry
 from pearlbvp.units import Units
+
+if TYPE_CHECKING:
+    from pearlbvp.mesh.problem import MeshProblem
 
 FEWEST_WAVES = 8
 """Periods or folds that a tube has at first; more are taken where the shape needs them."""
@@ -69,10 +68,10 @@ def recognized(end: Equilibrium) -> StandardPosition:
 
 def described(end: Equilibrium) -> str:
     """What the end of a flow is, in a few words: ``a right-handed coil``."""
-    if isinstance(end.problem, MeshFlow):
-        return f"a triangulated tube of {end.problem.reference.mesh.count} nodes"
-    if not isinstance(end.problem, TubeFlow):
+    if isinstance(end.problem, GraphFlow):
         return "an axisymmetric tube"
+    if not isinstance(end.problem, TubeFlow):
+        return f"a triangulated tube of {end.problem.reference.mesh.count} nodes"
     position = recognized(end)
     hand = {1: "right-handed ", -1: "left-handed ", 0: ""}[position.handedness]
     return {
@@ -95,11 +94,11 @@ def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem | MeshProb
     """
     _check(end)
     fixed: Fixed = "area" if end.problem.law == "area" else "area and volume"
-    if isinstance(end.problem, MeshFlow):
-        return _meshes(end)
     if isinstance(end.problem, GraphFlow):
         pearls, u = pearls_of(end)
         return replace(pearls, fixed=fixed), u
+    if not isinstance(end.problem, TubeFlow):
+        return _meshes(end)
     position = recognized(end)
     if position.family == "cylinder":
         raise InputError(STRAIGHT)
@@ -162,6 +161,9 @@ def _resolved(problem: Any, u: Array) -> tuple[Any, Array]:
 
 def _meshes(end: Equilibrium) -> tuple[MeshProblem, Array]:
     """The similar surface of area ``2 pi L`` on the same triangles, by Newton's method at its reduced volume."""
+    from pearlbvp.mesh.problem import about  # the room of meshes is large, and only meshes need it
+    from pearlbvp.mesh.start import solved
+
     flow, found = end.problem, end.observables
     if found["amplitude"] < SMALLEST_AMPLITUDE:
         raise InputError(STRAIGHT)

@@ -14,23 +14,15 @@ from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.flows.axisymmetric import GraphFlow
 from pearlbvp.flows.driver import FlowOptions, constrained, flow
-from pearlbvp.flows.mesh import MeshFlow, mesh_flow
 from pearlbvp.flows.perturbation import along_critical, bump
 from pearlbvp.flows.problem import Law
 from pearlbvp.flows.record import FlowResult
 from pearlbvp.flows.steady import polished
 from pearlbvp.flows.tube import TubeFlow
-from pearlbvp.helfrich import Tube, finite
-from pearlbvp.mesh.adaptation import smoothed
-from pearlbvp.mesh.functional import Functional, Kind
-from pearlbvp.mesh.periodic import PeriodicMesh
-from pearlbvp.mesh.problem import MeshProblem
-from pearlbvp.mesh.start import straight
+from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, finite
 from pearlbvp.representation import brief
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.stability.profile import Profile
-from pearlbvp.studies.mesh import NODES, SMALLEST_AMPLITUDE, meshed, shape_mesh
-from pearlbvp.studies.profiles import one_period
 from pearlbvp.tube.problem import TubeProblem
 
 UNLIKE = 1e-5
@@ -162,6 +154,8 @@ def profile_start(
     Raises:
         InputError: an argument that cannot be used.
     """
+    from pearlbvp.studies.profiles import one_period  # with scipy.interpolate, which only profiles need
+
     tube = Tube(c0, length)
     spline = one_period(x, r, tube.length)
     graph = GraphFlow(tube.c0, tube.length, points, law, pressure)
@@ -231,6 +225,8 @@ def solution_start(
     """
     problem = point.problem.shapes
     if problem.own_mesh(point.u) is not None:
+        from pearlbvp.studies.mesh_flow import mesh_start  # the room of meshes is large, and only meshes need it
+
         return mesh_start(point, law=law)
     if problem.drawn != "outline":
         tube, u, _ = problem.in_modes(point.u, point.tangent)
@@ -238,50 +234,3 @@ def solution_start(
     if not symmetric:
         return pearl_tube_start(problem, point.u, law=law, size=size or (24, 6))
     return pearl_start(problem, point.u, points=points, law=law)
-
-
-def mesh_start(
-    point: Solution[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision", law: Law = "area and volume"
-) -> FlowStart:
-    """A solution of any family on a triangulated tube, an equilibrium of that discretization.
-
-    Args:
-        point: of a branch of any family; of a branch on meshes it is taken as it is, and ``nodes`` and ``kind`` are not used.
-        nodes: vertices of the mesh, or a mesh of the straight tube that is mapped onto the shape.
-        kind: the discretization.
-        law: what the flow keeps.
-
-    Raises:
-        InputError: the mesh is too coarse for the shape, or an argument cannot be used.
-    """
-    found = point.observables
-    if isinstance(point.problem, MeshProblem):
-        problem, u = point.problem, point.u
-    elif found["amplitude"] < SMALLEST_AMPLITUDE:
-        problem, u = straight(shape_mesh(point, nodes), found["c0"], found["lambda2"], kind)
-    else:
-        problem, u = meshed(point, nodes, kind=kind)
-    pressure = float(u[-2]) if law == "area" else 0.0
-    mesh = problem.mesh.moved(problem.vertices(u))
-    start = mesh_flow(mesh, problem.c0, problem.kind, law, pressure, problem.functional, adapt=problem.adapt)
-    q = np.zeros(mesh.count)
-    return FlowStart(start, q, u[-3:-1][: len(start.constraints(q))])
-
-
-def surface_start(
-    c0: float, mesh: PeriodicMesh, *, kind: Kind = "subdivision", law: Law = "area and volume", pressure: float = 0.0
-) -> tuple[MeshFlow, Array]:
-    """Any triangulated tube, read from a file say, as a flow and its coordinates; no equilibrium is asked for.
-
-    Rough meshes are smoothed first where the discretization needs it: ``mesh.adaptation.smoothed``.
-
-    Args:
-        c0: spontaneous curvature.
-        mesh: vertices on the surface; they are spread out along it for subdivision surfaces.
-        kind: the discretization.
-        law, pressure: what the flow keeps, and the pressure difference where that is the area alone.
-    """
-    mesh = smoothed(mesh) if kind == "subdivision" else mesh
-    functional = Functional(mesh, kind)
-    reference = mesh.moved(functional.vertices_near(mesh.vertices))
-    return mesh_flow(reference, finite("c0", c0), kind, law, pressure, functional), np.zeros(mesh.count)

@@ -13,7 +13,7 @@ from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import choice, whole
+from pearlbvp.helfrich import SMALLEST_AMPLITUDE, choice, whole
 from pearlbvp.mesh.families import Surface, mapped, tube_mesh
 from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -23,9 +23,6 @@ from pearlbvp.studies.branch import known_options, known_point
 
 NODES = 3000
 """Vertices of a mesh by default: four digits of the branch points of the straight tube."""
-
-SMALLEST_AMPLITUDE = 1e-6
-"""Amplitude below which a shape is the straight tube."""
 
 
 def meshed(

@@ -16,7 +16,7 @@ from scipy.linalg import solve_triangular
 
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.errors import InputError
-from pearlbvp.mesh.repair import counted
+from pearlbvp.messages import counted
 from pearlbvp.rounding import NEGLIGIBLE, deviation, steps
 from pearlbvp.tables import read_table
 from pearlbvp.units import RADII, Sentence, Units

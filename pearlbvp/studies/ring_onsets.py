@@ -14,13 +14,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, finite
 from pearlbvp.numbers import as_numbers
 from pearlbvp.representation import brief
+from pearlbvp.roots import root
 from pearlbvp.stability.planar import MOST_WAVES, PlanarBlock, PlanarVariation, PlaneProfile, classes_of, resolved
 from pearlbvp.theory.elastica import ElasticRing, lobes, ring_at_angle, touching_ring
 
@@ -133,7 +133,7 @@ class ExactRings:
                 def rate(theta: float, place: int = place) -> float:
                     return float(self._at(self._variation(theta), c, parity, k)[place])
 
-                theta = brentq(rate, self.angles[step], self.angles[step + 1], xtol=1e-14, rtol=1e-14)
+                theta = root(rate, float(self.angles[step]), float(self.angles[step + 1]), 1e-14)
                 block = PlanarBlock(0, c, self.n, parity)
                 waves = (2 if k else 1) * block.multiplicity
                 change = waves if count[step + 1] > count[step] else -waves

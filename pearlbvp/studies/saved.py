@@ -41,16 +41,16 @@ def load(path: str | os.PathLike[str], name: str = "path") -> Branch[Any]:
         InputError: the file is no saved branch, or is not whole.
     """
     writer = "pearlbvp branch --save"
-    kinds = {problem.stored_as: problem for problem in families.problems()}
 
     def made(tree: dict[str, Any]) -> Branch[Any]:
         kind = tree["kind"]
-        if isinstance(kind, str) and kind not in kinds:
+        problem = families.problem(kind) if isinstance(kind, str) else None
+        if isinstance(kind, str) and problem is None:
             raise InputError(
                 f"{name}: {shortened(path)} holds shapes of a family that is not here, {kind!r}; "
                 "install or register what adds it"
             )
-        return branch_of_tree(tree, kinds)
+        return branch_of_tree(tree, {kind: problem})
 
     return load_tree(name, path, KIND, made, writer=writer, undefined=UNDEFINED)
 

@@ -22,6 +22,7 @@ import numpy as np
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, choice, cylinder_energy, cylinder_lambda1, mode_numbers
+from pearlbvp.roots import root
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, mode_type, onset_lambda2, stable_interval
 from pearlbvp.units import Sentence
 
@@ -360,7 +361,6 @@ def exchange_lengths(c0: float, m: int = 1, n: int = 1, shortest: float = 2.0, l
     """
     if m < 1 or n < 1:
         raise InputError(f"mode: ({m},{n}) has no coils and buckles; give m,n with both >= 1")
-    from scipy.optimize import brentq  # a fifth of a second to import, and only this needs it
 
     def difference(length: float) -> float:
         """``b1 - b2`` times the three denominators: it has no poles."""
@@ -380,7 +380,7 @@ def exchange_lengths(c0: float, m: int = 1, n: int = 1, shortest: float = 2.0, l
     lengths = np.geomspace(shortest, longest, 400)
     values = np.array([difference(length) for length in lengths])
     brackets = np.flatnonzero(values[1:] * values[:-1] < 0)
-    return [float(brentq(difference, lengths[i], lengths[i + 1], xtol=1e-13, rtol=1e-14)) for i in brackets]
+    return [root(difference, float(lengths[i]), float(lengths[i + 1]), 1e-13) for i in brackets]
 
 
 def meeting_c0(one: WaveNumbers, two: WaveNumbers, length: float) -> float:

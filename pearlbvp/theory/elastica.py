@@ -31,13 +31,13 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk, ellipkinc, elliprj
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
 from pearlbvp.representation import brief
+from pearlbvp.roots import root
 
 POINTS = 512
 """Equidistant points of a lobe for the mean of ``kappa^2``: the sum converges geometrically."""
@@ -222,7 +222,7 @@ class ElasticRing:
         start, waist = self.inflexion, math.pi / self.n
         if self.n == 2 or float(self.angle(start)) <= math.pi / 2:
             return 2 * float(self.position(waist if self.n == 2 else start).imag)
-        parallel = float(brentq(lambda s: float(self.angle(s)) - math.pi / 2, start, waist, xtol=1e-14))
+        parallel = root(lambda s: float(self.angle(s)) - math.pi / 2, start, waist, 1e-14)
         return 2 * float(self.position(parallel).imag)
 
 
@@ -242,7 +242,7 @@ def ring_at_angle(n: int, theta: float) -> ElasticRing:
 
     if excess(0.0) <= 0:  # the circle
         return ElasticRing(n, theta, 0.0)
-    return ElasticRing(n, theta, float(brentq(excess, 0.0, 1 - 1e-12, xtol=1e-16, rtol=1e-15)))
+    return ElasticRing(n, theta, root(excess, 0.0, 1 - 1e-12, 1e-16, 1e-15))
 
 
 def touching_ring(n: int) -> ElasticRing:
@@ -256,7 +256,7 @@ def touching_ring(n: int) -> ElasticRing:
     """
     least = math.asin(1 / lobes(n))
     most = least + 0.999 * (math.pi / 2 - least)
-    theta = brentq(lambda angle: ring_at_angle(n, angle).gap, least, most, xtol=1e-15, rtol=1e-14)
+    theta = root(lambda angle: ring_at_angle(n, angle).gap, least, most, 1e-15)
     return ring_at_angle(n, float(theta))
 
 
@@ -281,7 +281,5 @@ def ring_at(n: int, name: str, value: float) -> ElasticRing:
         )
     if value == first:
         return ring_at_angle(n, least)
-    theta = brentq(
-        lambda angle: getattr(ring_at_angle(n, angle), name) - value, least, contact.theta, xtol=1e-15, rtol=1e-14
-    )
+    theta = root(lambda angle: getattr(ring_at_angle(n, angle), name) - value, least, contact.theta, 1e-15)
     return ring_at_angle(n, float(theta))

@@ -25,7 +25,8 @@ from pearlbvp.flows.driver import FlowOptions, first_rates, flow
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.families import tube_mesh
 from pearlbvp.studies.branch import branch_options, family_branch
-from pearlbvp.studies.flow_start import mesh_start, pearl_start, surface_start, tube_start
+from pearlbvp.studies.flow_start import pearl_start, tube_start
+from pearlbvp.studies.mesh_flow import mesh_start, surface_start
 from pearlbvp.studies.point import chosen
 
 END = 1.0

@@ -17,7 +17,8 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.studies import flow_end
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow_end import _at_its_volume, continued, end_branch, recognized, solution_of, stability
-from pearlbvp.studies.flow_start import mesh_start, pearl_start, pearl_tube_start, tube_start
+from pearlbvp.studies.flow_start import pearl_start, pearl_tube_start, tube_start
+from pearlbvp.studies.mesh_flow import mesh_start
 from pearlbvp.studies.onward import resumed, switched
 from pearlbvp.studies.saved import family_of, load, save
 from pearlbvp.tube.isotropy import StandardPosition, standard_position

@@ -18,8 +18,9 @@ from pearlbvp.mesh.start import branch_point, solved
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.flow import load, save
 from pearlbvp.studies.flow_end import continued, described, solution_of
-from pearlbvp.studies.flow_start import mesh_start, profile_start, surface_start
+from pearlbvp.studies.flow_start import profile_start
 from pearlbvp.studies.mesh import meshed
+from pearlbvp.studies.mesh_flow import mesh_start, surface_start
 from pearlbvp.theory.dispersion import growth_rate
 
 L = 10.0

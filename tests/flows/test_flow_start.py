@@ -8,7 +8,8 @@ import pytest
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
-from pearlbvp.studies.flow_start import mesh_start, pearl_start, pearl_tube_start
+from pearlbvp.studies.flow_start import pearl_start, pearl_tube_start
+from pearlbvp.studies.mesh_flow import mesh_start
 
 L = 10.0
 ALONG, AROUND = 192, 24
