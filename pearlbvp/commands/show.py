@@ -137,21 +137,25 @@ def _branch(
     units: Units,
 ) -> int:
     """Show a saved branch."""
-    from pearlbvp.studies import export, saved
-    from pearlbvp.studies.branch import shown
+    from pearlbvp.progress import progress
 
-    branch = saved.load(file, "FILE")
-    table = units.columns(shown(branch.table()))
     others: list[Callable[[], object]] = []
     note = ""
-    if profile is not None or surface is not None:
-        index, note = export.stored(branch, units.place_from_user(point))
-        at = branch.points[index]
-        if profile is not None:
-            rows = units.columns(export.profile_table(at, samples))
-            others.append(lambda: write_table("--profile", profile, rows))
-        if surface is not None:
-            others.append(_surface_writer(at, nodes, surface, units))
+    with progress("step", doing="reading") as bar:
+        from pearlbvp.studies import export, saved
+        from pearlbvp.studies.branch import shown
+
+        bar.leave = False  # what is shown says more
+        branch = saved.load(file, "FILE")
+        table = units.columns(shown(branch.table()))
+        if profile is not None or surface is not None:
+            index, note = export.stored(branch, units.place_from_user(point))
+            at = branch.points[index]
+            if profile is not None:
+                rows = units.columns(export.profile_table(at, samples))
+                others.append(lambda: write_table("--profile", profile, rows))
+            if surface is not None:
+                others.append(_surface_writer(at, nodes, surface, units))
 
     def draw() -> Figure:
         from pearlbvp.figures.branch import draw_branch
