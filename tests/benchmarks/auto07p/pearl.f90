@@ -37,8 +37,12 @@ subroutine stpnt(ndim, u, par, t)
   double precision, intent(in) :: t
   double precision :: k, kappa, a, bend, x, onset
   double precision, parameter :: pi = 3.14159265358979324d0
-  par(5) = 0.48d0; par(6) = 3.75d0
-  k = pi/par(6); kappa = k**2
+  character(8) :: halves  ! half pearls on the half of the tube
+  integer :: count
+  call get_environment_variable("HALVES", halves)
+  read (halves, *) count
+  par(5) = 0.48d0; par(6) = 3.75d0*count
+  k = pi/3.75d0; kappa = k**2
   onset = 0.5d0*(kappa - 1) + (1 - 2*par(5))*kappa/(kappa - 1)
   a = 0.02d0
   par(1) = onset - 2.4d0*a**2; par(2) = 0.25d0 - par(5)**2 - onset + 2.6d0*a**2

@@ -1,0 +1,42 @@
+"""All benchmarks, into one table: ``python tests/benchmarks [WORD ...]``; with words, only the works that contain one.
+
+Without words the table is written to ``docs/benchmarks.md``, too.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.update({"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import commands  # noqa: F401  each registers its rows
+import robustness  # noqa: F401
+from rows import ROWS
+
+import pearls  # noqa: F401
+
+PAGE = Path(__file__).parents[2] / "docs" / "benchmarks.md"
+MARK = "<!-- measured by: python tests/benchmarks -->\n"
+
+
+def main(words: list[str]) -> None:
+    """Measure, print row by row, and write the page."""
+    lines = ["| work | ours | peer | peer / ours | limit |", "|---|---|---|---|---|"]
+    print(*lines, sep="\n")
+    for work, measure in ROWS.items():
+        if not words or any(word in work for word in words):
+            found = measure()
+            lines.append(f"| {work} | {found.ours} | {found.peer} | {found.ratio} | {found.limit} |")
+            print(lines[-1], flush=True)
+    if not words:
+        head = PAGE.read_text().partition(MARK)[0]
+        PAGE.write_text(f"{head}{MARK}\n" + "\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
