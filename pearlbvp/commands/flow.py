@@ -322,7 +322,6 @@ def _start(
     from pearlbvp.studies.branch import branch_options, family_branch
     from pearlbvp.studies.flow_start import profile_start, solution_start
     from pearlbvp.studies.point import chosen, sample
-    from pearlbvp.studies.profiles import read_profile
     from pearlbvp.units import Sentence
 
     if profile is not None or mesh is not None:
@@ -330,6 +329,8 @@ def _start(
             raise InputError(f"--{'mesh' if profile is None else 'profile'}: it goes with --c0 and --length; give both")
         if profile is None:
             return _of_a_file(mesh, units, c0, length, discretization, law, pressure)  # type: ignore[arg-type]
+        from pearlbvp.studies.profiles import read_profile  # with scipy.interpolate, which only profiles need
+
         rows = read_profile("profile", profile, length, points, units)
         if rows.said:
             say(f"{profile.name}: {units.said(rows.said)}")
