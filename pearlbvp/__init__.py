@@ -1,8 +1,8 @@
 """pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability.
 
 An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``flow``,
-``dispersion``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``scan``; ``Units`` for physical tubes; ``solve_bvp``
-and ``continue_bvp`` for one's own equations. Each name is imported when it is first asked for.
+``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``scan``; ``Units`` for physical tubes;
+``solve_bvp`` and ``continue_bvp`` for one's own equations. Each name is imported when it is first asked for.
 """
 
 import os
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pearlbvp.helfrich import Tube
     from pearlbvp.scans.scan import scan
     from pearlbvp.studies.families import register
+    from pearlbvp.studies.growth import growth
     from pearlbvp.studies.localized import localized_pearls
     from pearlbvp.studies.period import pearl_periods
     from pearlbvp.units import Units
@@ -40,6 +41,7 @@ _HOMES = {
     "diagram": "front:diagram",
     "dispersion": "front:dispersion",
     "flow": "front:flow",
+    "growth": "studies.growth:growth",
     "load": "front:load",
     "localized_pearls": "studies.localized:localized_pearls",
     "pearl_periods": "studies.period:pearl_periods",
@@ -61,6 +63,7 @@ __all__ = [
     "diagram",
     "dispersion",
     "flow",
+    "growth",
     "load",
     "localized_pearls",
     "pearl_periods",

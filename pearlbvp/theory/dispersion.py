@@ -47,6 +47,28 @@ def critical_lambda2(k: ArrayLike, n: ArrayLike, c0: float) -> NDArray[np.float6
     return critical
 
 
+def growing_waves(lambda2: float, c0: float) -> dict[int, tuple[float, float]]:
+    """The waves that grow: by the number of waves around the tube, the interval of wave numbers ``k`` in which ``mu > 0``.
+
+    ``mu`` is a concave polynomial in ``k^2``, ``-k^4/2 + (beta - e) k^2 + lambda2 e - e^2/2`` with ``e = n^2 - 1`` and
+    ``beta = lambda2 - 1 + 2 c0``, so that none grow with ``e >= beta`` and ``e >= 2 lambda2``.
+    """
+    beta = lambda2 - 1 + 2 * c0
+    found = {}
+    for n in range(math.isqrt(math.ceil(1 + max(0.0, beta, 2 * lambda2))) + 1):
+        e = n**2 - 1
+        square = beta**2 + 2 * (1 - 2 * c0) * e  # of half the distance between the two roots
+        if square <= 0:
+            continue
+        # The larger root without cancellation, the other from the product of the two.
+        far = abs(beta - e) + math.sqrt(square)
+        near = (e**2 - 2 * lambda2 * e) / far
+        low, high = (near, far) if beta >= e else (-far, -near)
+        if high > 0:
+            found[n] = (math.sqrt(max(0.0, low)), math.sqrt(high))
+    return found
+
+
 def onset_lambda2(tube: Tube, m: int, n: int) -> float:
     """The ``lambda2`` at which a mode's branches leave a straight tube.
 
