@@ -21,6 +21,7 @@ from pearlbvp.commands.branch import branch
 from pearlbvp.commands.diagram import diagram
 from pearlbvp.commands.dispersion import dispersion
 from pearlbvp.commands.flow import flow
+from pearlbvp.commands.growth import growth
 from pearlbvp.commands.localized import localized
 from pearlbvp.commands.mesh import mesh
 from pearlbvp.commands.onward import follow, resume, switch, vary
@@ -45,7 +46,7 @@ def cli() -> None:
 
 
 for command in (
-    dispersion, amplitude, amplitude_map, localized, period, region,
+    dispersion, growth, amplitude, amplitude_map, localized, period, region,
     branch, resume, switch, vary, follow, show, diagram, flow, mesh, scan,
 ):  # fmt: skip
     cli.add_command(command)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from pearlbvp.quantities import AREA, CURVATURE, ENERGY, FORCE, LENGTH, NUMBER, PRESSURE, TENSION, VOLUME, Dimension
 
+VISCOSITY = Dimension(-3, 1, 1)
 SPONTANEOUS = Dimension(-1, spontaneous=1)
 TIME, RATE, VELOCITY = Dimension(time=1), Dimension(time=-1), Dimension(1, -1)
 """Of the gradient flow, whose velocity is a pressure times a mobility."""
@@ -21,6 +22,9 @@ QUANTITIES: Mapping[str, Dimension] = {
     **dict.fromkeys(("b", "b1", "b2"), Dimension(-2, -1)),
     "area": AREA, "volume": VOLUME, "volume_by_length": AREA, "xi": Dimension(-2),
     "t": TIME, "velocity": VELOCITY, **dict.fromkeys(("mu_crit", "mu_error", "rate"), RATE),
+    "wavelength": LENGTH, "wave_numbers": CURVATURE, **dict.fromkeys(("lambda1_lower", "lambda1_pearl", "tension"), TENSION),
+    "mu": Dimension(-4, energy=1), "mu_diffusion": Dimension(-6, energy=1),  # of two flows beside each other, mobilities 1
+    "viscosity": VISCOSITY, "membrane_viscosity": Dimension(-2, 1, 1),
     **dict.fromkeys(("v", "v_localized", "v_reduced", "area_error", "volume_error", "quality_worst", "quality_mean",
                      "m", "n", "point", "pearls", "pearls_least_energy", "kernel", "n_unstable", "nodes", "triangles",
                      *(f"{name}_{what}" for name in ("lambda1", "lambda2", "E", "wave") for what in ("error", "order")),
@@ -37,5 +41,7 @@ AXES: Mapping[str, str] = {
 """What the axes of pictures say of quantities, before their units."""
 
 LAW = "area and volume"
-TIME_POWERS: Mapping[str, int] = {LAW: 4, "area": 4, "diffusion": 6}
-"""Powers of length in the time of each flow: velocities are ``-dF``, or its Laplacian for diffusion."""
+FLUIDS = "fluids"
+TIME_POWERS: Mapping[str, int] = {LAW: 4, "area": 4, "diffusion": 6, FLUIDS: 3}
+"""Powers of length in the time of each flow: velocities are ``-dF``, or its Laplacian for diffusion; of fluids it is their
+viscosity by an energy by volume, so that a viscosity of the membrane is a length."""

@@ -157,6 +157,28 @@ def test_instabilities_of_the_straight_tube(capsys, pictures):
     np.testing.assert_allclose(np.interp(modes["k"], *curve.T), modes["lambda2"], rtol=1e-3, atol=1e-3)
 
 
+def test_growth_rates(capsys, pictures):
+    one, other, said = both(
+        capsys, ["growth", "--viscosity-ratio", 3], ["--c0", 0.2, "--tension", 1.1, "--length", 30, "--membrane-viscosity", 0.4],
+        ["--c0", u(0.2, CURVATURE), "--tension", u(1.1, BY_AREA), "--length", u(30, LENGTH), "--membrane-viscosity", u(0.4, LENGTH),
+         "--plot", "p.png"],
+    )  # fmt: skip
+    powers = POWERS | {"wavelength": LENGTH, "rate": BY_VOLUME, "mu": -TIME, "mu_diffusion": -TIME - 2,
+                       "lambda1_lower": BY_AREA, "lambda1_pearl": BY_AREA}  # fmt: skip
+    check(one, other, powers, rtol=1e-9)  # a stress, by a viscosity of 1, is a rate
+    fastest = other[other["role"] == "fastest"].iloc[0]
+    assert f"{fastest.wavelength:.6g} units long and grows at the rate {fastest.rate:.6g}; " in said
+    assert f"from {fastest.lambda1_lower:.6g} to {fastest.lambda1_pearl:.6g}, above" in said
+    rates, flows = pictures.figures[0].axes
+    assert [power_of(axes.get_xlabel()) for axes in (rates, flows)] == [CURVATURE, CURVATURE]
+    assert (power_of(rates.get_ylabel()), power_of(flows.get_ylabel())) == (powers["rate"], 0)
+    # a curve passes through the tube's waves, and is largest where the picture's scale says
+    curve = rates.lines[0].get_xydata()
+    waves = other[other["n"] == 0]
+    np.testing.assert_allclose(np.interp(waves["k"], *curve.T), waves["rate"], rtol=1e-3, atol=1e-3 * fastest.rate)
+    assert [line.get_ydata().max() for line in flows.lines[:3]] == pytest.approx([1, 1, 1])
+
+
 def test_localized_pearls(capsys, pictures):
     one, other, _ = both(
         capsys, ["localized"], ["--c0", 0.48, "--period", 7.5, "--lengths", "15,30"],

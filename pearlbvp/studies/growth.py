@@ -14,6 +14,7 @@ from pearlbvp.helfrich import LARGEST_C0, Tube, finite, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.theory.dispersion import growing_waves, growth_rate, long_tube_interval, mode_type, stable_interval
 from pearlbvp.theory.stokes import Fluids, fastest_waves, stokes_rate
+from pearlbvp.units import Sentence
 
 COLUMNS = ["m", "n", "k", "type", "wavelength", "rate", "mu", "mu_diffusion", "role",
            "c0", "L", "lambda1", "lambda2", "lambda1_lower", "lambda1_pearl"]  # fmt: skip
@@ -101,6 +102,41 @@ def shortest_wave(lambda2: float, c0: float) -> float:
     return max([1.5, *(1.2 * high for _, high in growing_waves(lambda2, c0).values())])
 
 
+def curves(table: pd.DataFrame, *, viscosity_ratio: float = 1.0, membrane_viscosity: float = 0.0) -> pd.DataFrame:
+    """The same columns over many wave numbers, as if each fitted the tube: to draw a table of ``growth`` by."""
+    first = table.iloc[0]
+    along = np.linspace(1e-3, 1, 400) * float(table["k"].max())
+    return growth(
+        first["c0"], first["lambda1"], wave_numbers=along, max_n=int(table["n"].max()),
+        viscosity_ratio=viscosity_ratio, membrane_viscosity=membrane_viscosity,
+    )  # fmt: skip
+
+
+def summary(table: pd.DataFrame) -> Sentence:
+    """What a table of ``growth`` says in a sentence: the fastest wave, and when the tube rests."""
+    first = table.iloc[0]
+    pearl, lower = float(first["lambda1_pearl"]), float(first["lambda1_lower"])
+    if math.isnan(lower):
+        rests = "no tension keeps the tube straight"
+    elif math.isnan(pearl):
+        rests = "the tube is straight at tensions above {lambda1_lower:.6g}"
+    else:
+        rests = (
+            "the tube is straight at tensions from {lambda1_lower:.6g} to {lambda1_pearl:.6g}, above which it pearls"
+        )
+    fastest = table[table["role"] == "fastest"]
+    if fastest.empty:
+        return Sentence(f"no wave grows: {rests}", lambda1_lower=lower, lambda1_pearl=pearl)
+    row = fastest.iloc[0]
+    wave = "{wavelength:.6g} {wavelength_unit} long" if row["k"] > 0 else "as long as the tube"
+    if row["n"]:
+        wave += f", with {row['n']} around it,"
+    return Sentence(
+        f"the fastest wave is {wave} and grows at the rate {{rate:.6g}}; {rests}",
+        wavelength=float(row["wavelength"]), rate=float(row["rate"]), lambda1_lower=lower, lambda1_pearl=pearl,
+    )  # fmt: skip
+
+
 def stable_tensions(c0: float, tube: Tube | None = None) -> tuple[float, float]:
     """Between which ``lambda1`` no wave of a tube grows: others do below, pearls above; not a number where there is no end.
 
@@ -131,8 +167,12 @@ def _known(c0: float, tension: float) -> tuple[float, float, float]:
     lambda2 = 0.25 - tension - c0**2
     if lambda2 > LARGEST_PRESSURE:
         raise InputError(
-            f"tension: at {tension:g} in units of 2 kappa/R^2 the tube is crushed by more waves around it than can be listed; "
-            f"give more than {0.25 - LARGEST_PRESSURE - c0**2:.6g}"
+            Sentence.joined(
+                Sentence(
+                    "tension: at {tension:g} more waves around the tube grow than can be listed; ", tension=tension
+                ),
+                Sentence("give more than {tension:.6g}", tension=0.25 - LARGEST_PRESSURE - c0**2),
+            )
         )
     return c0, tension, lambda2
 

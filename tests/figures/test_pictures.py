@@ -90,6 +90,8 @@ def content(path):
 
 LAYOUTS = {
     "dispersion": ("dispersion", "--c0", 9.6, "--length", 1.5, "--radius", 0.05),
+    "growth": ("growth", "--c0", 9.6, "--tension", 600, "--length", 1.5, "--radius", 0.05),
+    "rest": ("growth", "--tension", 0.1),
     "localized": ("localized", "--c0", 0.48, "--period", 7.5, "--lengths", "15,30,45", "--compare",
                   ROOT / "data" / "paper_localized.csv"),
     "period": ("period", "--c0", 480, "--lengths", "0.015,0.0225", "--radius", 0.001),

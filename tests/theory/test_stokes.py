@@ -13,7 +13,7 @@ from support.stokes import growth_rate as by_collocation
 
 from pearlbvp.errors import InputError
 from pearlbvp.theory.dispersion import growth_rate
-from pearlbvp.theory.stokes import Fluids, friction, inside, outside, stokes_rate
+from pearlbvp.theory.stokes import Fluids, fastest_waves, friction, inside, outside, stokes_rate
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "derivations"))
 import stokes as derivation
@@ -136,6 +136,15 @@ def test_a_viscous_membrane_adds_four_times_its_viscosity_to_pearls(k, viscosity
     assert friction(k, 0, Fluids(1.0, viscosity)) - friction(k, 0) == pytest.approx(
         4 * viscosity, rel=1e-9, abs=1e-8 / k**2
     )
+
+
+@pytest.mark.parametrize(("lambda2", "c0"), [(-1.25, 0.0), (-0.45, 0.48), (-0.4, 0.45)])
+def test_a_very_viscous_membrane_chooses_long_pearls_or_those_of_spontaneous_curvature(lambda2, c0):
+    """J. Lyu et al., arXiv:2110.07026: with the viscosity the wave number goes to zero, or to that of the curvature."""
+    waves = [fastest_waves(lambda2, c0, Fluids(1.0, viscosity))[0] for viscosity in (0.0, 1e2, 1e4, 1e7)]
+    assert waves == sorted(waves, reverse=True)
+    # d mu/d k^2 = -(k^2 - 1) + lambda2 - (1 - 2 c0)
+    assert waves[-1] == pytest.approx(np.sqrt(max(0, lambda2 + 2 * c0)), abs=0.02)
 
 
 @given(st.floats(0, 5), st.integers(0, 6), st.floats(-5, 5), st.floats(-1, 1), st.floats(0.01, 100), st.floats(0, 10))
