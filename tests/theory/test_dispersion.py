@@ -182,3 +182,34 @@ def test_pearls_as_long_as_the_tube_is_around_are_refused_as_such(m, away, radiu
 def test_waves_around_that_are_too_many_are_refused_as_such():
     with pytest.raises(InputError, match=r"waves \(1,2000\) .* fewer waves around"):
         onset_lambda2(Tube(0.0, 10.0), 1, 2000)
+
+
+def axial_force(lambda2, c0):
+    """``dE/dL`` of the straight tube at fixed area and volume: ``f L = 2 lambda1 A + 3 lambda2 V + c0 (2 c0 A - 2 M)``."""
+    area, volume, mean_curvature = 2 * np.pi, np.pi, np.pi  # by length, on the unit cylinder, H = 1/2
+    lambda1 = 0.25 - lambda2 - c0**2
+    return 2 * lambda1 * area + 3 * lambda2 * volume + c0 * (2 * c0 * area - 2 * mean_curvature)
+
+
+@given(C0, st.floats(-3, 3))
+def test_the_axial_force_of_the_straight_tube(c0, lambda2):
+    assert axial_force(lambda2, c0) == pytest.approx(np.pi * (1 - lambda2 - 2 * c0), abs=1e-12)
+
+
+@pytest.mark.parametrize("c0", [-1.0, 0.0, 0.3, 0.48])
+def test_coils_and_buckles_begin_at_euler_s_load(c0):
+    """A beam of bending stiffness pi kappa R under pi kappa R k^2, which is pi k^2/2 in 2 kappa/R."""
+    table = branch_points(c0, 40)
+    beams = table[(table.n == 1) & (table.m > 0)]
+    assert len(beams) > 5
+    np.testing.assert_allclose(axial_force(beams.lambda2, c0), -np.pi * beams.k**2 / 2, rtol=1e-10)
+
+
+def test_textbook_tubes_without_spontaneous_curvature():
+    # Tension 2 kappa lambda1/R^2, pressure inside minus outside -2 kappa lambda2/R^3, force (2 kappa/R) f.
+    lambda2_long_pearls = branch_points(0.0, 1e4, 1, 0).query("m == 1 and n == 0").lambda2.item()
+    assert 2 * (0.25 - lambda2_long_pearls) == pytest.approx(3 / 2, rel=1e-6)  # Bar-Ziv, Moses, PRL 73 (1994) 1392
+    wrinkles = branch_points(0.0, 10).query("m == 0 and n == 2")
+    assert -2 * wrinkles.lambda2.item() == -3  # Levy's ring: 3 B/R^3 from outside
+    assert 2 * axial_force(0.0, 0.0) == pytest.approx(2 * np.pi)  # a tether: 2 pi kappa/R at kappa/(2 R^2)
+    assert 2 * (0.25 - 0.0) == 0.5
