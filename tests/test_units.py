@@ -167,7 +167,7 @@ def test_growth_rates(capsys, pictures):
                        "lambda1_lower": BY_AREA, "lambda1_pearl": BY_AREA}  # fmt: skip
     check(one, other, powers, rtol=1e-9)  # a stress, by a viscosity of 1, is a rate
     fastest = other[other["role"] == "fastest"].iloc[0]
-    assert f"{fastest.wavelength:.6g} units long and grows at the rate {fastest.rate:.6g}; " in said
+    assert f"{fastest.wavelength:.6g} units long and grows at {fastest.rate:.6g}; " in said
     assert f"from {fastest.lambda1_lower:.6g} to {fastest.lambda1_pearl:.6g}, above" in said
     rates, flows = pictures.figures[0].axes
     assert [power_of(axes.get_xlabel()) for axes in (rates, flows)] == [CURVATURE, CURVATURE]

@@ -18,61 +18,50 @@ if TYPE_CHECKING:
     from pearlbvp.units import Units
 
 
-@click.command(cls=Command, epilog="Example:  pearlbvp growth --tension 1.5 --plot g.png")
-@click.option("--c0", type=Number(), default=0.0, show_default=True, help="Spontaneous curvature.")
-@click.option(
-    "--tension", type=Number(), required=True, help="Tension lambda1 of the straight tube, Sigma R^2/(2 kappa)."
+@click.command(
+    cls=Command,
+    epilog="Examples:  pearlbvp growth --radius 0.7um --kappa 20kT --tension 1e-3mN/m --viscosity 1mPa.s --plot g.png  |  "
+    "pearlbvp growth --c0 0 --tension 1.5",
 )
-@click.option("--length", type=Number(), metavar="L", help="Axial period of the tube.  [default: any wave fits]")
+@click.option("--c0", type=Number("c0"), default=0.0, show_default=True, help="Spontaneous curvature.")
+@click.option("--tension", type=Number("tension"), required=True,
+              help="Of the straight tube, like 1e-3mN/m; a number is lambda1, by Sigma R^2/(2 kappa).")  # fmt: skip
+@click.option("--viscosity", type=Number("viscosity"), metavar="ETA",
+              help="Of the fluid outside, like 1mPa.s: rates are then in 1/s.  [default: rates count in 1/ETA]")  # fmt: skip
+@click.option("--viscosity-ratio", type=Number(), default=1.0, show_default=True, metavar="RATIO",
+              help="Viscosity of the fluid inside, by that of the fluid outside.")  # fmt: skip
+@click.option("--membrane-viscosity", type=Number("membrane_viscosity"), default=0.0, show_default=True, metavar="ETA",
+              help="Of the membrane, like 5e-9Pa.s.m; without --viscosity by that of the fluid outside, a length.")  # fmt: skip
 @click.option(
-    "--wave-numbers",
-    cls=Option,
-    type=Numbers(),
-    excludes=["length"],
-    help="Wave numbers along the tube.  [default: 30, beyond all that grow]",
+    "--length", type=Number("length"), metavar="L", help="Axial period of the tube.  [default: any wave fits]"
 )
+@click.option("--wave-numbers", cls=Option, type=Numbers("wave_numbers"), excludes=["length"], metavar="NUMBERS",
+              help="Wave numbers along the tube.  [default: 30, beyond all that grow]")  # fmt: skip
 @click.option(
-    "--max-m",
-    cls=Option,
-    type=int,
-    needs=["length"],
-    help="Most waves along the tube.  [default: beyond all that grow]",
+    "--max-m", cls=Option, type=int, needs=["length"], help="Most waves along it.  [default: beyond all that grow]"
 )
 @click.option("--max-n", type=int, default=2, show_default=True, help="Most waves around the tube.")
-@click.option(
-    "--viscosity-ratio",
-    type=Number(),
-    default=1.0,
-    show_default=True,
-    help="Viscosity of the fluid inside, by that of the fluid outside.",
-)
-@click.option(
-    "--membrane-viscosity",
-    type=Number(),
-    default=0.0,
-    show_default=True,
-    help="Surface viscosity of the membrane by the viscosity of the fluid outside, a length.",
-)
 @outputs
 @radius_option
 def growth(
-    c0: float, tension: float, length: float | None, wave_numbers: list[float] | None, max_m: int | None, max_n: int,
-    viscosity_ratio: float, membrane_viscosity: float, out: Path | None, plot: Path | None, units: Units,
+    c0: float, tension: float, viscosity: str | None, viscosity_ratio: float, membrane_viscosity: float | str,
+    length: float | None, wave_numbers: list[float] | None, max_m: int | None, max_n: int,
+    out: Path | None, plot: Path | None, units: Units,
 ) -> int:  # fmt: skip
     """How fast waves of the straight tube grow in water, which is the fastest, and when pearls do.
 
     Columns: m (with a length), n (waves along and around), k, type, wavelength, rate (in fluids inside and
-    outside, the membrane incompressible; in units of 2 kappa/(eta R^3)), mu and mu_diffusion (of the flow at fixed
-    area and volume, and of diffusion, each with mobility 1), role (fastest), c0, L, lambda1, lambda2, lambda1_lower
-    and lambda1_pearl (no wave grows at tensions between them, pearls do above).
+    outside, the membrane incompressible; without --viscosity in units of 2 kappa/(ETA R^3)), mu and mu_diffusion
+    (of the flow at fixed area and volume, and of diffusion, each by its mobility), role (fastest), c0, L, lambda1,
+    lambda2, lambda1_lower and lambda1_pearl (no wave grows at tensions between them, pearls do above).
     """
     from pearlbvp.studies import growth as study
-    from pearlbvp.units import FLUIDS
+    from pearlbvp.viscosity import in_fluids
 
     out, plot = check_outputs(out, plot)
-    units = units.of_flow(FLUIDS)
-    surface_viscosity = units.from_user("membrane_viscosity", membrane_viscosity)
-    fluids = {"viscosity_ratio": viscosity_ratio, "membrane_viscosity": surface_viscosity}
+    units = in_fluids(units, viscosity)
+    slip = units.number("membrane_viscosity", membrane_viscosity, "membrane_viscosity")
+    fluids = {"viscosity_ratio": viscosity_ratio, "membrane_viscosity": units.from_user("membrane_viscosity", slip)}
     table = study.growth(
         units.from_user("c0", c0),
         units.from_user("tension", tension),
@@ -88,8 +77,6 @@ def growth(
     def draw() -> Figure:
         from pearlbvp.figures.growth import draw_growth
 
-        curves = study.curves(table, **fluids)
-        title = f"c0 = {c0:g}, tension {tension:g}" + ("" if length is None else f", L = {length:g}")
-        return draw_growth(written, units.columns(curves), title, units)
+        return draw_growth(written, units.columns(study.curves(table, **fluids)), units.said(study.title(table)), units)
 
     return write(written, out, plot, draw)

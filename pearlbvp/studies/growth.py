@@ -112,6 +112,13 @@ def curves(table: pd.DataFrame, *, viscosity_ratio: float = 1.0, membrane_viscos
     )  # fmt: skip
 
 
+def title(table: pd.DataFrame) -> Sentence:
+    """What tube a table of ``growth`` is of."""
+    first = table.iloc[0]
+    words = "c0 = {c0:g}, tension {lambda1:g}" + ("" if math.isnan(first["L"]) else ", L = {L:g}")
+    return Sentence(words, c0=float(first["c0"]), lambda1=float(first["lambda1"]), L=float(first["L"]))
+
+
 def summary(table: pd.DataFrame) -> Sentence:
     """What a table of ``growth`` says in a sentence: the fastest wave, and when the tube rests."""
     first = table.iloc[0]
@@ -132,7 +139,7 @@ def summary(table: pd.DataFrame) -> Sentence:
     if row["n"]:
         wave += f", with {row['n']} around it,"
     return Sentence(
-        f"the fastest wave is {wave} and grows at the rate {{rate:.6g}}; {rests}",
+        f"the fastest wave is {wave} and grows at {{rate:.6g}}; {rests}",
         wavelength=float(row["wavelength"]), rate=float(row["rate"]), lambda1_lower=lower, lambda1_pearl=pearl,
     )  # fmt: skip
 
