@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from pearlbvp.dimensions import FLUIDS, VISCOSITY
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import positive
 from pearlbvp.quantities import has_unit
-from pearlbvp.units import FLUIDS, VISCOSITY, Units
+from pearlbvp.units import Units
 
 
 def in_fluids(units: Units, viscosity: str | float | None = None) -> Units:

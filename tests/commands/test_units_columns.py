@@ -20,14 +20,16 @@ REGISTRY = pint.UnitRegistry()
 R = REGISTRY.Quantity(50, "nm")
 KAPPA = 20 * REGISTRY.Quantity(1.380649e-23 * 310, "J")
 PHYSICAL = {
-    **dict.fromkeys(("L", "period", "amplitude", "wave", "r_min", "r_max", "x", "r", "A", "wave_predicted", "M"), R),
+    **dict.fromkeys(("L", "period", "amplitude", "wave", "r_min", "r_max", "x", "r", "A", "wave_predicted", "M", "wavelength"), R),
     **dict.fromkeys(("k", "H"), 1 / R),
     "C0": 2 / R,
-    **dict.fromkeys(("lambda1", "E", "E_least_energy", "lambda1_predicted", "E_predicted"), 2 * KAPPA / R**2),
+    **dict.fromkeys(("lambda1", "E", "E_least_energy", "lambda1_predicted", "E_predicted", "lambda1_lower",
+                     "lambda1_pearl"), 2 * KAPPA / R**2),
     **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "lambda2_predicted",
-                     "velocity"), 2 * KAPPA / R**3),
+                     "velocity", "rate"), 2 * KAPPA / R**3),  # rates in fluids, by their viscosity
     # velocities are pressures, so that rates are pressures by length, and times lengths by pressure
-    **dict.fromkeys(("mu_crit", "mu_error"), 2 * KAPPA / R**4), "t": R**4 / (2 * KAPPA),
+    **dict.fromkeys(("mu_crit", "mu_error", "mu"), 2 * KAPPA / R**4), "mu_diffusion": 2 * KAPPA / R**6,
+    "t": R**4 / (2 * KAPPA),
     # dA/dt = A (a p + b A^2), lambda1 changes by 2 alpha2 A^2
     "a": 1 / R, **dict.fromkeys(("b", "b1", "b2"), 2 * KAPPA / R**6), "alpha2": 2 * KAPPA / R**4,
     "area": R**2, "volume": R**3, "force": 2 * KAPPA / R, "torque": 2 * KAPPA,
@@ -73,6 +75,7 @@ def saved(tmp_path_factory):
 
 FROM_A_TUBE = {
     "dispersion": (["--c0", "{c0}", "--length", "{L}"], ()),
+    "growth": (["--c0", "{c0}", "--tension", "{tension}", "--length", "{L}"], ()),
     "localized": (["--c0", "{c0}", "--period", "{half}", "--lengths", "{L}"], ()),
     "region": (["--c0", "{c0}", "--periods", "{half}", "--pearls", "2"], ()),
     "period": (["--c0", "{c0}", "--lengths", "{L}", "--volume", "1.01", "--processes", "1"], ()),
@@ -82,9 +85,23 @@ FROM_A_TUBE = {
     "branch ring": (["--c0", "{c1}", "--length", "{L}", "--max-points", "3"], ()),
     "mesh": (["--c0", "{c0}", "--length", "{half}", "--nodes", "400"], ()),
 }
-RADII = {"c0": "0.48", "c1": "-0.5", "L": "15", "half": "7.5", "L1": "12"}
-IN_NM = {"c0": "1/(52.083333333333336nm)", "c1": "-0.02/nm", "L": "0.75um", "half": "375nm", "L1": "600"}
-IN_UM = {"c0": "19.2/um", "c1": "-20", "L": "750nm", "half": "0.375", "L1": "0.6"}
+RADII = {"c0": "0.48", "c1": "-0.5", "L": "15", "half": "7.5", "L1": "12", "tension": "0.5"}
+IN_NM = {
+    "c0": "1/(52.083333333333336nm)",
+    "c1": "-0.02/nm",
+    "L": "0.75um",
+    "half": "375nm",
+    "L1": "600",
+    "tension": f"{20 * 1.380649e-23 * 310 / 50e-9**2 * 1e6!r}uN/m",
+}
+IN_UM = {
+    "c0": "19.2/um",
+    "c1": "-20",
+    "L": "750nm",
+    "half": "0.375",
+    "L1": "0.6",
+    "tension": f"{20 * 1.380649e-23 * 310 / 50e-9**2 * 1e3!r}",
+}
 
 
 @pytest.mark.parametrize("command", FROM_A_TUBE)
@@ -154,8 +171,8 @@ def test_columns_of_scans(capsys, tmp_path, question):
 
 def test_all_columns_are_here():
     """A quantity with a dimension that is no column is an option, a coordinate of a picture, or a surface's."""
-    elsewhere = {"length", "lengths", "periods", "y", "z", "gap", "delta", "centre", "shape", "edge", "pressure", "xi", "rate", "c0",
-                 "volume_by_length"}  # fmt: skip
+    elsewhere = {"length", "lengths", "periods", "y", "z", "gap", "delta", "centre", "shape", "edge", "pressure", "xi", "c0",
+                 "volume_by_length", "wave_numbers", "tension", "viscosity", "membrane_viscosity"}  # fmt: skip
     assert {name for name, dimension in QUANTITIES.items() if any(dimension)} - elsewhere == set(PHYSICAL) - {"C0"}
 
 
