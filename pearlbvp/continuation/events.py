@@ -53,11 +53,12 @@ def _located(
     ends: tuple[float, float],
     tolerance: float = EIGENVALUE,
     noise: float = 0.0,
+    smooth: bool = False,
     **what: Any,
 ) -> Event[P]:
     """An event at a function's sign change; at the segment's end, unconverged, where that cannot be located."""
     try:
-        point = segment.root(function, ends[0], tolerance, noise)
+        point = (segment.where(function, ends) if smooth else None) or segment.root(function, ends[0], tolerance, noise)
     except PathEnd:
         return Event(segment.length, kind, segment.last, converged=False, **what)
     s = point.problem.inner(segment.first.tangent, point.u - segment.first.u)
@@ -123,7 +124,8 @@ def first_wanted(first: Solution[P], last: Solution[P], until: Mapping[str, floa
 
         ends = difference(first), difference(last)
         if ends[0] != 0 and ends[0] * ends[1] <= 0:
-            found = _located(segment, "stop", difference, ends, tolerance=1e-13)
+            # The largest growth rate has kinks, and each value of it costs a spectrum.
+            found = _located(segment, "stop", difference, ends, tolerance=1e-13, smooth=name != "mu_crit")
             if not found.converged or abs(difference(found.point)) < 1e-3 * (1 + abs(value)):  # else it was a pole
                 stops.append(found)
     return min(stops, key=lambda event: event.s, default=None)

@@ -16,7 +16,7 @@ import numpy as np
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.interpolation import interpolate
 from pearlbvp.continuation.problem import P, Problem
-from pearlbvp.continuation.solution import Solution
+from pearlbvp.continuation.solution import DIFFERENCE, Solution
 from pearlbvp.newton import NewtonOptions, NewtonResult, newton
 from pearlbvp.representation import brief
 
@@ -103,6 +103,39 @@ def correct(
         return solution[:, 0]
 
     return newton(residual, solve, guess, options, rate), tangent
+
+
+def correct_to(
+    problem: Problem, guess: Array, direction: Array, excess: Callable[[Array], float], options: NewtonOptions
+) -> tuple[NewtonResult, Array]:
+    """Newton's method on ``residual(u) = 0, excess(u) = 0``: where on its curve a number of the solution has a value.
+
+    The step to the curve, perpendicular to ``direction``, is followed by one along it by the number's slope, a central
+    difference: exact where the number is one of the unknowns.
+
+    Args:
+        problem, guess, options: as ``correct`` takes them.
+        direction: along the curve, roughly.
+        excess: of the number over its value; where it turns along the curve, no solution is found.
+
+    Returns:
+        The result, and the unnormalised tangent ``t`` with ``inner(direction, t) = 1`` at the last iterate but one.
+    """
+    tangent = direction
+
+    def residual(u: Array) -> Array:
+        return np.append(problem.residual(u), 0.0)
+
+    def solve(u: Array, f: Array) -> Array:
+        nonlocal tangent
+        unit = np.zeros_like(f)
+        unit[-1] = 1.0
+        onto, tangent = problem.solve(u, np.column_stack((f, unit)), direction).T
+        ahead, behind = (excess(u + step * tangent) for step in (DIFFERENCE, -DIFFERENCE))
+        slope = np.float64(ahead - behind) / (2 * DIFFERENCE)  # of a plain 0 the quotient below would be an error
+        return np.asarray(onto + excess(u - onto) / slope * tangent)
+
+    return newton(residual, solve, guess, options), tangent
 
 
 def correct_at(problem: Problem, u: Array, options: NewtonOptions, unknown: int = -1) -> tuple[NewtonResult, Array]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Generic
 
 import numpy as np
@@ -13,10 +13,10 @@ import numpy as np
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.crossing import correct_beside
 from pearlbvp.continuation.interpolation import interpolate
-from pearlbvp.continuation.path import SAFETY, PathEnd, correct
+from pearlbvp.continuation.path import LARGEST_KINK, SAFETY, PathEnd, correct, correct_to
 from pearlbvp.continuation.problem import P
 from pearlbvp.continuation.solution import Solution
-from pearlbvp.newton import NewtonOptions
+from pearlbvp.newton import NewtonOptions, NewtonResult
 from pearlbvp.representation import brief
 from pearlbvp.roots import NoRoot, root
 
@@ -25,6 +25,9 @@ BESIDE = 1e-9
 
 BEYOND = (1.02, 1.1)
 """Lengths, by the segment's, up to which a sign change is looked for that lies beyond the last point on another mesh."""
+
+ROUGH = 1e-10
+"""Size of what Newton's method leaves of a number, by its change on the segment, at which the number is none that is smooth."""
 
 
 @dataclass(frozen=True)
@@ -83,14 +86,19 @@ class Segment(Generic[P]):
                 u, direction = self._beside(guess), tangent
                 if not np.abs(problem.residual(u)).max() < BESIDE:
                     raise PathEnd(f"no solution between two points of the path: {result.message}; take shorter steps")
-            elif result.correction > 1e-10:  # exactly here, not at the last iterate but one
-                unit = np.zeros(u.size)
-                unit[-1] = 1.0
-                with suppress(np.linalg.LinAlgError):
-                    direction = problem.solve(u, unit, tangent)
-            direction = direction / math.sqrt(problem.inner(direction, direction))
-            self._known[s] = Solution(problem, u, direction, result.iterations)
+            else:
+                direction = self._tangent(result, direction)
+            self._known[s] = replace(Solution.along(problem, u, direction), iterations=result.iterations)
         return self._known[s]
+
+    def _tangent(self, result: NewtonResult, direction: Array) -> Array:
+        """The tangent exactly at a solution, not at the last iterate but one, where that is of another direction."""
+        if result.correction > 1e-10:
+            unit = np.zeros(result.u.size)
+            unit[-1] = 1.0
+            with suppress(np.linalg.LinAlgError):
+                return self.first.problem.solve(result.u, unit, self.first.tangent)
+        return direction
 
     def _beside(self, guess: Array) -> Array:
         """The guess corrected in all but the null vector's direction, where enough points about it are known."""
@@ -110,6 +118,34 @@ class Segment(Generic[P]):
                         nodes[s] = self.point(s).u
         if len(nodes) > 4:
             self._nodes.update(nodes)
+
+    def where(self, excess: Callable[[Solution[P]], float], ends: tuple[float, float]) -> Solution[P] | None:
+        """The point where a smooth number has a value, by one Newton's method; None where that leads off the segment.
+
+        Args:
+            excess: of a point's number over the value.
+            ends: of its values at the two ends, of opposite signs.
+        """
+        problem, base, tangent, length = self.first.problem, self.first.u, self.first.tangent, self.length
+
+        def value(u: Array) -> float:
+            return excess(Solution(problem, u, tangent))
+
+        low, high = (0.0, ends[0]), (length, ends[1])
+        for _ in range(3):  # regula falsi, on guesses
+            s = low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
+            found = value(self._guess(s))
+            low, high = ((s, found), high) if found * low[1] > 0 else (low, (s, found))
+        result, direction = correct_to(problem, self._guess(s), tangent, value, NewtonOptions(max_iterations=8))
+        if not result.converged or not abs(value(result.u)) <= ROUGH * abs(ends[1] - ends[0]):
+            return None
+        s = problem.inner(tangent, result.u - base)
+        off = result.u - self._guess(s)
+        reach = 1 + 1e-9 if self.last.problem is problem else BEYOND[0]
+        if not 0 < s / length < reach or math.sqrt(problem.inner(off, off)) > LARGEST_KINK * abs(length):
+            return None
+        direction = self._tangent(result, direction)
+        return replace(Solution.along(problem, result.u, direction), iterations=result.iterations)
 
     def root(
         self, function: Callable[[Solution[P]], float], at_first: float, tolerance: float = 1e-13, noise: float = 0.0

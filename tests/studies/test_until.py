@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from support.commands import run
 
+from pearlbvp.continuation.segment import Segment
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
@@ -177,3 +178,28 @@ def test_a_special_point_that_does_not_come_is_exit_status_one(capsys):
     assert status == 1
     assert "--max-points = 4 reached" in err
     assert table_of(out).special.iloc[-1] == "end"
+
+
+@pytest.mark.parametrize(
+    ("tube", "family", "mode", "until", "names"),
+    [
+        (Tube(0.48, 15), "pearl", (2, 0), {"v": 1.01}, ("v", "lambda2", "E", "r_min", "wave")),
+        (Tube(-1.0, 10), "ring", (0, 2), {"v": 0.85}, ("v", "lambda2", "gap")),
+        (Tube(0.48, 10), "coil", (1, 1), {"v": 0.93}, ("v", "lambda1", "r_min")),
+        (Tube(0.0, 10), "buckle", (1, 1), {"v": 0.98}, ("v", "E")),
+    ],
+)
+def test_a_wanted_value_is_found_where_brent_s_method_finds_it(tube, family, mode, until, names):
+    points = family_branch(tube, family, mode, branch_options(until)).points
+    for name in names:
+        ends = points[-2].value(name), points[-1].value(name)
+        value = 0.3 * ends[0] + 0.7 * ends[1]
+
+        def excess(point, name=name, value=value):
+            return point.value(name) - value
+
+        segment = Segment(points[-2], points[-1])
+        direct, slow = segment.where(excess, (ends[0] - value, ends[1] - value)), segment.root(excess, ends[0] - value)
+        np.testing.assert_allclose(direct.u, slow.u, atol=1e-12)
+        np.testing.assert_allclose(direct.tangent, slow.tangent, atol=1e-9)
+        assert direct.value(name) == pytest.approx(value, abs=1e-13)
