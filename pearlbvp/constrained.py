@@ -39,7 +39,7 @@ def restricted(rows: Sequence[NDArray[Any]], *matrices: NDArray[Any]) -> list[ND
         for matrix in found:
             product = matrix @ reflector
             product -= (reflector.conj() @ product) * reflector
-            matrix -= 2 * (np.outer(reflector, product.conj()) + np.outer(product, reflector.conj()))
+            matrix -= np.column_stack((reflector, product)) @ np.vstack((2 * product.conj(), 2 * reflector.conj()))
     return [matrix[len(reflectors) :, len(reflectors) :] for matrix in found]
 
 

@@ -14,6 +14,8 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cholesky, eigh, solve_triangular
+from scipy.linalg.blas import dtrsv
+from scipy.linalg.lapack import dsygst
 
 from pearlbvp.arrays import Array, Complex
 from pearlbvp.constrained import restricted
@@ -34,6 +36,9 @@ from pearlbvp.tube.waves import (
 
 KEPT = 8
 """Growth rates that are kept of each block, at least."""
+
+LARGE = 200
+"""Size of a block beyond which Lanczos' method finds its leading growth rates in less time than a dense one."""
 
 
 @dataclass(frozen=True)
@@ -239,11 +244,17 @@ def _leading(second: Array, mass: Array) -> Array:
     Raises:
         SpectrumError: displacements that do not move the surface grow, which is a matrix gone wrong.
     """
-    shift, largest = 16.0, 1e3 * max(16.0, float(np.abs(second).max() / np.abs(np.diag(mass)).max()))
+    factor, shift = _factored(second, mass)
+    few = _by_lanczos(second, mass, factor, shift) if len(mass) >= LARGE else None
+    return _by_reduction(mass, factor, shift) if few is None or few[-1] >= 0 else few
+
+
+def _factored(second: Array, mass: Array) -> tuple[Array, float]:
+    """A shift above all growth rates, and the lower Cholesky factor of ``second + shift mass``."""
+    shift, largest = 1.0, 1e3 * max(16.0, float(np.abs(second).max() / np.abs(np.diag(mass)).max()))
     while True:
         try:
-            factor = cholesky(second + shift * mass, lower=True)  # above all growth rates it is positive definite
-            break
+            return cholesky(second + shift * mass, lower=True), shift
         except np.linalg.LinAlgError:
             if shift > largest:
                 raise SpectrumError(
@@ -251,15 +262,53 @@ def _leading(second: Array, mass: Array) -> Array:
                     "follow the branch on a mesh (--nodes)"
                 ) from None
             shift *= 8
-    inverse = solve_triangular(factor, solve_triangular(factor, mass, lower=True).T, lower=True)
+
+
+def _by_reduction(mass: Array, factor: Array, shift: float) -> Array:
+    """The leading growth rates from all of the matrix, reduced to one that is tridiagonal; see ``_by_lanczos``."""
+    inverse, _ = dsygst(mass, factor, lower=1)
     size = len(mass)
-    few = eigh(inverse, eigvals_only=True, subset_by_index=[max(0, size - KEPT), size - 1])
+    few = eigh(inverse, lower=True, eigvals_only=True, subset_by_index=[max(0, size - KEPT), size - 1])
     rates = np.asarray(shift - 1 / few[::-1])
     if rates[-1] < 0 or len(rates) == size:
         return rates
     # More grow than are kept: all rates cost little more than a few, and many times a few far more.
-    rates = np.asarray(shift - 1 / eigh(inverse, eigvals_only=True)[::-1])
+    rates = np.asarray(shift - 1 / eigh(inverse, lower=True, eigvals_only=True)[::-1])
     return rates[: int((rates > 0).sum()) + 1]
+
+
+def _by_lanczos(second: Array, mass: Array, factor: Array, shift: float) -> Array | None:
+    """The ``KEPT`` largest growth rates by Lanczos' method, none left out for certain; None where that is not known.
+
+    With those that were found taken down below the cut, ``second + cut mass`` is positive definite, and so has a Cholesky
+    factor, if and only if no other rate lies above the cut (Sylvester's law of inertia; B. N. Parlett, The Symmetric
+    Eigenvalue Problem (SIAM 1998), §3.3).
+
+    Args:
+        second, mass: of the block.
+        factor: lower Cholesky factor of ``second + shift mass``.
+        shift: above all growth rates.
+    """
+    from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh  # not needed where blocks are small
+
+    def inverse(y: Array) -> Array:
+        return np.asarray(dtrsv(factor, mass @ dtrsv(factor, y, lower=1, trans=1), lower=1))
+
+    size = len(mass)
+    operator = LinearOperator((size, size), inverse, dtype=np.float64)
+    try:
+        values, vectors = eigsh(operator, KEPT + 1, which="LA", v0=np.ones(size), ncv=3 * KEPT)
+    except ArpackNoConvergence:
+        return None
+    rates = shift - 1 / values[::-1]
+    found, cut = rates[:KEPT], rates[-2:].mean()
+    scaled = vectors[:, :0:-1] / np.sqrt(values[:0:-1])  # of unit mass, once the factor is taken off
+    moved = mass @ solve_triangular(factor, scaled, lower=True, trans=1)
+    try:
+        cholesky(second + cut * mass + (moved * (found - cut + 1)) @ moved.T)
+    except np.linalg.LinAlgError:
+        return None
+    return np.asarray(found)
 
 
 def _residual(second: Array, mass: Array, kernel: Array, largest: float) -> float:
