@@ -191,7 +191,7 @@ class TubeFlow:
         matrix = tube.hessian(self.waves)
         if factor or rate.any():
             drag = self._drag(tube, rate, factor)
-            matrix += self.waves.quadratic(self.waves.waves.dragging_forms(self.cell, drag))
+            matrix += self.waves.waves.dragging(self.cell, drag, self.waves)[0]
         return matrix
 
     def columns(self, q: Array) -> Array:
@@ -241,7 +241,7 @@ class TubeFlow:
 
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Growth rates of all perturbations in these modes."""
-        second, mass = self._tube(q, multipliers).second_variation(self.waves)
+        ((second, mass),) = self._tube(q, multipliers).second_variations(self.waves)
         return growth_rates(second, mass, self.constraint_rows(q), self.kernels(q, multipliers), count)
 
     def observables(self, q: Array, multipliers: Array) -> dict[str, float]:

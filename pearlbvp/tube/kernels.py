@@ -36,43 +36,33 @@ def lower_halves(weights, basis):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def all_frequencies(half, around, signs):  # type: ignore[no-untyped-def]
-    """Whole symmetric matrices at all frequencies, times phases, from lower halves at those that a real transform keeps."""
-    along, kept = half.shape[1:]
-    size = len(signs)
+def with_phases(half, signs):  # type: ignore[no-untyped-def]
+    """Coefficients of lower halves, at the frequencies that a real transform keeps, times phases; see ``MatrixTransform``."""
+    entries, along, kept = half.shape
     # A coefficient of two real entries, or two imaginary ones, is real on an even surface; of one of each it is imaginary.
     largest = odd = 0.0
     entry = 0
-    for a in range(size):
+    for a in range(len(signs)):
         for c in range(a + 1):
             for value in half[entry].flat:
                 real, imaginary = abs(value.real), abs(value.imag)
                 largest = max(largest, real, imaginary)
                 odd = max(odd, imaginary if signs[a] == signs[c] else real)
             entry += 1
-    full = np.empty((2 if odd > REAL * largest else 1, along, around, size, size))
-    for x in range(along):
-        for y in range(around):
-            mirrored = y >= kept
-            at_x, at_y = ((along - x) % along, around - y) if mirrored else (x, y)
-            entry = 0
-            for a in range(size):
-                for c in range(a + 1):
-                    value = half[entry, at_x, at_y]
-                    if mirrored:
-                        value = np.conj(value)
-                    if signs[a] == signs[c]:
-                        full[0, x, y, a, c] = full[0, x, y, c, a] = value.real
-                        if len(full) > 1:
-                            full[1, x, y, a, c] = full[1, x, y, c, a] = value.imag
-                    else:  # times -i where the left one is imaginary, times i where the right one is
-                        full[0, x, y, a, c] = -signs[a] * value.imag
-                        full[0, x, y, c, a] = -signs[c] * value.imag
-                        if len(full) > 1:
-                            full[1, x, y, a, c] = signs[a] * value.real
-                            full[1, x, y, c, a] = signs[c] * value.real
-                    entry += 1
-    return full
+    found = np.empty((2 if odd > REAL * largest else 1, entries, along, kept))
+    entry = 0
+    for a in range(len(signs)):
+        for c in range(a + 1):
+            # Times -i where the left entry is imaginary, times i where the right one is.
+            factor = 1.0 + 0j if signs[a] == signs[c] else 1j * signs[a]
+            for x in range(along):
+                for y in range(kept):
+                    value = half[entry, x, y] * factor
+                    found[0, entry, x, y] = value.real
+                    if len(found) > 1:
+                        found[1, entry, x, y] = value.imag
+            entry += 1
+    return found
 
 
 @compiled
@@ -130,40 +120,6 @@ def means_over_modes(starts, waves, coefficients, transform, symbols, first, p, 
 
 
 @compiled
-def reduced_to_modes(starts, waves, coefficients, cosines, sines, mixed, turned, symmetric):  # type: ignore[no-untyped-def]
-    """A form of each pair of modes, from the four parts of ``Forms``.
-
-    Args:
-        starts, waves, coefficients: the modes as sums of waves, by columns of a sparse matrix.
-        cosines, sines, mixed, turned: of the waves.
-        symmetric: whether the form is.
-    """
-    count = len(starts) - 1
-    found = np.empty((count, count))
-    real, imaginary = np.empty(len(cosines)), np.empty(len(cosines))
-    for m in range(count):
-        real[:], imaginary[:] = 0.0, 0.0  # the form of the mode and either part of each wave
-        for i in range(starts[m], starts[m + 1]):
-            c, q = coefficients[i], waves[i]
-            if c.real != 0:
-                for w in range(len(real)):
-                    real[w] += c.real * cosines[q, w]
-                    imaginary[w] += c.real * turned[q, w]
-            if c.imag != 0:
-                for w in range(len(real)):
-                    real[w] += c.imag * mixed[q, w]
-                    imaginary[w] += c.imag * sines[q, w]
-        for n in range(m + 1 if symmetric else count):
-            total = 0.0
-            for j in range(starts[n], starts[n + 1]):
-                total += coefficients[j].real * real[waves[j]] + coefficients[j].imag * imaginary[waves[j]]
-            found[m, n] = total
-            if symmetric:
-                found[n, m] = total
-    return found
-
-
-@compiled
 def folded(number, unit, points):  # type: ignore[no-untyped-def]
     """Place of a wave number in a transform, or -1 for none of its."""
     if unit == 0:
@@ -172,121 +128,130 @@ def folded(number, unit, points):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def wave_forms(z, rows, other, columns, p, b, weights, signs, period, fold, symmetric, of_centre):  # type: ignore[no-untyped-def]
-    """The four parts of ``Forms``.
+def by_powers(left, right, weights, signs, sign, x, table):  # type: ignore[no-untyped-def]
+    """``left . W right`` of vectors that are polynomials in their wave numbers around, at all frequencies around.
 
     Args:
-        z, other: vectors left and right of the matrices, for each wave.
-        rows, columns: first and last entry but one of them that are not zero, for each wave.
-        p, b: wave numbers.
-        weights, signs: as ``matrix_transform`` gives them.
-        period, fold: of the cell.
-        symmetric: whether the vectors are the same on both sides: then the last part is empty.
-        of_centre: take only the pairs of which one or both move the centre.
+        left, right: coefficients of each power, shapes (U, F) and (V, F).
+        weights, signs: as ``MatrixTransform`` has them.
+        sign: 1, or -1 for the opposite waves on the left.
+        x: frequency along, or -1 for none of the transform's.
+        table: to be filled for each part and two powers, shape (1 or 2, U, V, points around).
     """
-    count, parts, along, around = len(p), weights.shape[0], weights.shape[1], weights.shape[2]
-    cosines, sines, mixed = np.zeros((count, count)), np.zeros((count, count)), np.zeros((count, count))
-    turned = np.zeros((0, 0) if symmetric else (count, count))
-    for i in range(count):
-        for j in range(i + 1 if symmetric else count):
-            if of_centre and abs(b[i]) != 1 and abs(b[j]) != 1:
+    along, kept, around = weights.shape[2], weights.shape[3], table.shape[3]
+    table[:] = 0.0
+    if x < 0:
+        return
+    for a in range(left.shape[1]):
+        for c in range(right.shape[1]):
+            entry, alike = a * (a + 1) // 2 + c if a >= c else c * (c + 1) // 2 + a, signs[a] * signs[c]
+            turned = (alike if a < c else 1.0) * (signs[a] if sign < 0 else 1.0)
+            for u in range(len(left)):
+                for v in range(len(right)):
+                    factor = turned * left[u, a] * right[v, c]
+                    if factor == 0:
+                        continue
+                    for part in range(len(table)):
+                        row, here = table[part, u, v], weights[part, entry, x]
+                        there = weights[part, entry, (along - x) % along]
+                        opposite = factor * (alike if part == 0 else -alike)
+                        for y in range(kept):
+                            row[y] += factor * here[y]
+                        for y in range(1, around - kept + 1):
+                            row[around - y] += opposite * there[y]
+
+
+@compiled
+def value_at(polynomials, one, other, y):  # type: ignore[no-untyped-def]
+    """Value at two numbers of a polynomial, shape (U, V, points around): that of ``y``, or 0 for a negative one."""
+    value = 0.0
+    if y >= 0:
+        for u in range(polynomials.shape[0] - 1, -1, -1):  # Horner's scheme
+            of_power = 0.0
+            for v in range(polynomials.shape[1] - 1, -1, -1):
+                of_power = other * of_power + polynomials[u, v, y]
+            value = one * value + of_power
+    return value
+
+
+@compiled
+def tile_of_waves(left, right, b, ones, others, weights, signs, along_of, around_of, table, tile):  # type: ignore[no-untyped-def]
+    """Forms of each wave of one group with each of another.
+
+    Args:
+        left, right: vectors of all waves, as ``forms_of_modes`` takes them.
+        b: wave numbers around.
+        ones, others: the waves of the two groups.
+        weights, signs: as ``MatrixTransform`` has them.
+        along_of: the frequency along, and that for the waves opposite to the left ones; -1 where the cell has none.
+        around_of: frequencies around for a difference of two ``b``, from the least one on.
+        table: to work in, two of those that ``by_powers`` takes.
+        tile: to be filled, shape (2, 2, waves, waves): of a real part ``Re e^{iq}``, 0, or ``-Im e^{iq}``, 1, on each side.
+    """
+    for s in range(2):
+        by_powers(left[ones[0]], right[others[0]], weights, signs, 1 - 2 * s, along_of[s], table[s])
+    for i in range(len(ones)):
+        for j in range(len(others)):
+            one, other = b[ones[i]], b[others[j]]
+            y, opposite = around_of[one - other + len(around_of) // 2], around_of[-one - other + len(around_of) // 2]
+            for part in range(2):
+                here = there = 0.0
+                if part < len(weights):
+                    here, there = (
+                        value_at(table[0, part], one, other, y),
+                        value_at(table[1, part], one, other, opposite),
+                    )
+                if part == 0:
+                    tile[0, 0, i, j], tile[1, 1, i, j] = (here + there) / 2, (here - there) / 2
+                else:
+                    tile[0, 1, i, j], tile[1, 0, i, j] = -(here + there) / 2, (here - there) / 2
+
+
+@compiled
+def forms_of_modes(left, right, p, b, order, starts, weights, signs, cell, around_of, modes, symmetric, tile, found):  # type: ignore[no-untyped-def]
+    """Forms of the modes of some families, one after the other, from those of the waves that they share.
+
+    Pairs of waves are taken in turn by their groups: what they are is used for all modes at once, and not kept.
+
+    Args:
+        left, right: vectors of each wave on both sides of the matrices, as ``Waves.jets`` are given.
+        p, b: wave numbers.
+        order, starts: the groups of waves whose vectors are of one polynomial (``Waves.groups``).
+        weights, signs: as ``MatrixTransform`` has them.
+        cell: its period, and points along and around.
+        around_of: as ``tile_of_waves`` takes it.
+        modes: the families (``Families``).
+        symmetric: whether the vectors are the same on both sides, and so the forms symmetric.
+        tile: to work in, shape (2, 2, largest group, largest group).
+        found: zeros, to be filled.
+    """
+    period, along, around = cell
+    groups, families = len(starts) - 1, len(modes.sizes)
+    table = np.empty((2, len(weights), left.shape[1], right.shape[1], around))
+    row = np.empty((2, tile.shape[3]))
+    for first in range(groups):
+        for second in range(first + 1 if symmetric else groups):
+            ones, others = order[starts[first] : starts[first + 1]], order[starts[second] : starts[second + 1]]
+            one, other = p[ones[0]], p[others[0]]
+            along_of = folded(one - other, period, along), folded(-one - other, period, along)
+            if along_of[0] < 0 and along_of[1] < 0:
                 continue
-            re = im = re2 = im2 = 0.0
-            x, y = folded(p[i] - p[j], period, along), folded(b[i] - b[j], fold, around)
-            if x >= 0 and y >= 0:  # mean of conj(z e^{iq}) . W z' e^{iq'}
-                for a in range(rows[i, 0], rows[i, 1]):
-                    for c in range(columns[j, 0], columns[j, 1]):
-                        factor = z[i, a] * other[j, c]
-                        re += factor * weights[0, x, y, a, c]
-                        if parts > 1:
-                            im += factor * weights[1, x, y, a, c]
-            x, y = folded(-p[i] - p[j], period, along), folded(-b[i] - b[j], fold, around)
-            if x >= 0 and y >= 0:  # and without the conjugate: that of the opposite wave
-                for a in range(rows[i, 0], rows[i, 1]):
-                    for c in range(columns[j, 0], columns[j, 1]):
-                        factor = signs[a] * z[i, a] * other[j, c]
-                        re2 += factor * weights[0, x, y, a, c]
-                        if parts > 1:
-                            im2 += factor * weights[1, x, y, a, c]
-            cosines[i, j], sines[i, j], mixed[i, j] = (re + re2) / 2, (re - re2) / 2, (im - im2) / 2
-            if symmetric:
-                cosines[j, i], sines[j, i], mixed[j, i] = cosines[i, j], sines[i, j], (-im - im2) / 2
-            else:
-                turned[i, j] = (-im - im2) / 2
-    return cosines, sines, mixed, turned
-
-
-@compiled
-def powers_of_b(weights, one, other):  # type: ignore[no-untyped-def]
-    """Sections' jets contracted but for their powers of ``b``, at all frequencies around: shape (points around, 9).
-
-    Jets of a section are ``1, -k^2, -k b, -b^2, k, b``: entry ``3 u + v`` belongs to ``b^u b'^v``.
-
-    Args:
-        weights: matrices at one frequency along, shape (points around, F, F).
-        one, other: the numbers ``k`` of the two waves.
-    """
-    found = np.empty((len(weights), 9))
-    left, right = (1.0, -(one**2), -one, -1.0, one, 1.0), (1.0, -(other**2), -other, -1.0, other, 1.0)
-    half = np.empty((3, 6))
-    for y in range(len(weights)):
-        w = weights[y]
-        for c in range(6):
-            half[0, c] = w[0, c] + left[1] * w[1, c] + left[4] * w[4, c]
-            half[1, c] = left[2] * w[2, c] + w[5, c]
-            half[2, c] = -w[3, c]
-        for u in range(3):
-            found[y, 3 * u] = half[u, 0] + right[1] * half[u, 1] + right[4] * half[u, 4]
-            found[y, 3 * u + 1] = right[2] * half[u, 2] + half[u, 5]
-            found[y, 3 * u + 2] = -half[u, 3]
-    return found
-
-
-@compiled
-def add_sections(forms, k, p, b, order, starts, weights, period, fold):  # type: ignore[no-untyped-def]
-    """Add the pairs of two sections to ``cosines``, ``sines`` and ``mixed``.
-
-    Args:
-        forms: the three, to be added to.
-        k: unit of the wave numbers along.
-        p, b: wave numbers.
-        order: waves of sections, those of one ``p`` together.
-        starts: where each ``p`` starts in that order, and the end.
-        weights: coefficients of a ``MatrixTransform``.
-        period, fold: of the cell.
-    """
-    cosines, sines, mixed = forms
-    parts, along, around = weights.shape[0], weights.shape[1], weights.shape[2]
-    for first in range(len(starts) - 1):
-        for second in range(first + 1):
-            one, other = p[order[starts[first]]], p[order[starts[second]]]
-            for sign in (1, -1):  # the conjugate of the first wave, and that of the opposite one
-                x = folded(sign * one - other, period, along)
-                if x < 0:
-                    continue
-                for part in range(parts):
-                    table = powers_of_b(weights[part, x], sign * one * k, other * k)
-                    for at in range(starts[first], starts[first + 1]):
-                        i = order[at]
-                        end = starts[second + 1] if second < first else at + 1
-                        for beside in range(starts[second], end):
-                            j = order[beside]
-                            y = folded(sign * b[i] - b[j], fold, around)
-                            if y < 0:
-                                continue
-                            t, c, d = table[y], sign * b[i], b[j]
-                            value = (
-                                t[0]
-                                + d * (t[1] + d * t[2])
-                                + c * (t[3] + d * (t[4] + d * t[5]) + c * (t[6] + d * (t[7] + d * t[8])))
-                            ) / 2
-                            if part == 0:
-                                cosines[i, j] += value
-                                sines[i, j] += sign * value
-                                if i != j:
-                                    cosines[j, i] += value
-                                    sines[j, i] += sign * value
-                            else:
-                                mixed[i, j] += sign * value
-                                if i != j:
-                                    mixed[j, i] -= value
+            tile_of_waves(left, right, b, ones, others, weights, signs, along_of, around_of, table, tile)
+            offset = 0
+            for f in range(families):
+                size = modes.sizes[f]
+                for at in range(modes.bounds[first, f], modes.bounds[first, f + 1]):
+                    m = modes.listed[at]
+                    row[:] = 0.0
+                    for i in range(modes.starts[m], modes.starts[m + 1]):
+                        for kind in range(2):
+                            for v in range(len(others)):
+                                row[kind, v] += modes.factors[i] * tile[modes.kinds[m], kind, modes.places[i], v]
+                    for beside in range(modes.bounds[second, f], modes.bounds[second, f + 1]):
+                        n, value = modes.listed[beside], 0.0
+                        for j in range(modes.starts[n], modes.starts[n + 1]):
+                            value += modes.factors[j] * row[modes.kinds[n], modes.places[j]]
+                        found[offset + size * modes.rows[m] + modes.rows[n]] = value
+                        if symmetric:
+                            found[offset + size * modes.rows[n] + modes.rows[m]] = value
+                offset += size**2

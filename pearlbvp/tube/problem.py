@@ -8,7 +8,7 @@ coefficients with both constraints' multipliers, the area, the volume. All are e
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -27,7 +27,7 @@ from pearlbvp.tube.rigid import rigid_motions
 from pearlbvp.tube.shapes import TubeShapes
 from pearlbvp.tube.spectrum import Equilibrium, block_rates
 from pearlbvp.tube.symmetry import TubeBlock
-from pearlbvp.tube.waves import Cell, ModeWaves
+from pearlbvp.tube.waves import Cell, ModeWaves, Waves
 from pearlbvp.units import Sentence
 
 MOST_MODES, MOST_MODES_PLANE = 256, 48
@@ -284,22 +284,29 @@ class TubeProblem(TubeShapes):
         parameters = self.parameters(u)
         return 1.25 * math.sqrt(3 + 2 * abs(parameters.lambda2) + 2 * abs(1 - 2 * parameters.c0))
 
-    def _rates(self, equilibrium: Equilibrium, known: Mapping[Mode, float], modes: ModeWaves) -> tuple[Array, float]:
-        motions = rigid_motions(known, modes.modes, self.symmetry.turns)
-        return block_rates(equilibrium, modes, motions, self.fixed)
+    def _rates(self, equilibrium: Equilibrium, u: Array, families: Sequence[ModeWaves]) -> list[tuple[Array, float]]:
+        """Growth rates, and the error of the rigid motions, of blocks that share their waves."""
+        known, found = self.known(u), []
+        for modes, matrices in zip(families, equilibrium.second_variations(*families), strict=True):
+            motions = rigid_motions(known, modes.modes, self.symmetry.turns)
+            found.append(block_rates(equilibrium, modes, matrices, motions, self.fixed))
+        return found
 
     def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit the tube."""
         reach = self._reach(u)
-        equilibrium, known = self._perturbed(u, reach), self.known(u)
-        rates, kernel, blocks = {}, 0.0, self._blocks(reach, u)
+        equilibrium, blocks = self._perturbed(u, reach), self._blocks(reach, u)
+        alike: dict[Waves, dict[TubeBlock, ModeWaves]] = {}
         for block, modes in zip(blocks, self._stretched(u, *blocks.values()), strict=True):
-            rates[block], error = self._rates(equilibrium, known, modes)
-            kernel = max(kernel, error)
-        return Spectrum.of(rates, kernel)
+            alike.setdefault(modes.waves, {})[block] = modes
+        found: dict[TubeBlock, tuple[Array, float]] = {}
+        for group in alike.values():
+            found |= dict(zip(group, self._rates(equilibrium, u, list(group.values())), strict=True))
+        rates = {block: found[block][0] for block in blocks}
+        return Spectrum.of(rates, max((error for _, error in found.values()), default=0.0))
 
     def block_rates(self, u: Array, block: TubeBlock, like: Spectrum) -> Array:
         """Growth rates in one block."""
         reach = self._reach(u)
         (modes,) = self._stretched(u, self._blocks(reach, u)[block])
-        return self._rates(self._perturbed(u, reach), self.known(u), modes)[0]
+        return self._rates(self._perturbed(u, reach), u, [modes])[0][0]

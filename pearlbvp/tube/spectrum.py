@@ -26,10 +26,8 @@ from pearlbvp.tube.density import areas, gradients, hessians
 from pearlbvp.tube.waves import (
     IMAGINARY_JETS,
     Cell,
-    Forms,
     MatrixTransform,
     ModeWaves,
-    Waves,
     fields_of_jets,
     matrix_transform,
 )
@@ -91,28 +89,22 @@ class Equilibrium:
         element, slopes = areas(self.fields)
         return element, slopes
 
-    @cached_property
-    def _forms(self) -> dict[Waves, tuple[Forms, Forms]]:
-        return {}
-
     def hessian(self, modes: ModeWaves) -> Array:
         """Matrix of the second variation, shape (N, N)."""
-        return modes.quadratic(modes.waves.bending_forms(self.cell, self._bending))
+        return modes.waves.bending(self.cell, self._bending, modes)[0]
 
     def mass(self, modes: ModeWaves) -> Array:
         """Matrix of the normal displacement's mean square, shape (N, N)."""
-        return modes.quadratic(modes.waves.moving_forms(self.cell, self._moving))
+        return modes.waves.moving(self.cell, self._moving, modes)[0]
 
-    def second_variation(self, modes: ModeWaves) -> tuple[Array, Array]:
-        """Matrices of the second variation and of the normal displacement's mean square, shape (N, N).
+    def second_variations(self, *families: ModeWaves) -> list[tuple[Array, Array]]:
+        """Matrices of the second variation and of the normal displacement's mean square, shape (N, N), of each family.
 
-        Blocks that share their waves share nearly all of the work.
+        Those of the same waves share nearly all of the work.
         """
-        waves, cell = modes.waves, self.cell
-        if waves not in self._forms:
-            self._forms[waves] = waves.bending_forms(cell, self._bending), waves.moving_forms(cell, self._moving)
-        bending, moving = self._forms[waves]
-        return modes.quadratic(bending), modes.quadratic(moving)
+        waves, cell = families[0].waves, self.cell
+        bending, moving = waves.bending(cell, self._bending, *families), waves.moving(cell, self._moving, *families)
+        return list(zip(bending, moving, strict=True))
 
     @cached_property
     def _gradients(self) -> tuple[Array, Array]:
@@ -206,17 +198,22 @@ ORDERS_ALONG = np.array([1.0, 1.0, 0.0, 0.0, 2.0, 2.0, 1.0, 1.0, 0.0, 0.0])
 
 
 def block_rates(
-    equilibrium: Equilibrium, modes: ModeWaves, kernels: Sequence[Array], fixed: Fixed
+    equilibrium: Equilibrium,
+    modes: ModeWaves,
+    matrices: tuple[Array, Array],
+    kernels: Sequence[Array],
+    fixed: Fixed,
 ) -> tuple[Array, float]:
     """Growth rates of a block, largest first, without its rigid motions, and the largest error of the rigid motions.
 
     Args:
         equilibrium: what is perturbed.
         modes: of the block.
+        matrices: theirs (``Equilibrium.second_variations``).
         kernels: rigid motions in these modes.
         fixed: what perturbations keep.
     """
-    second, mass = equilibrium.second_variation(modes)
+    second, mass = matrices
     area, volume = equilibrium.constraints(modes)
     # In other blocks than the solution's own both gradients vanish.
     rows = [row for row in ((area, volume) if fixed == "area and volume" else (area,)) if np.abs(row).max() > 1e-9]

@@ -20,13 +20,12 @@ from scipy.sparse import csc_array
 from pearlbvp.arrays import Array, Complex
 from pearlbvp.representation import brief
 from pearlbvp.tube.kernels import (
-    add_sections,
-    all_frequencies,
+    folded,
+    forms_of_modes,
     lower_halves,
     means_over_modes,
-    reduced_to_modes,
     spectrum_of_modes,
-    wave_forms,
+    with_phases,
 )
 from pearlbvp.tube.modes import Mode
 
@@ -82,76 +81,92 @@ class Waves:
 
     @cached_property
     def jets(self) -> Array:
-        """What the fields are made of (``fields_of_jets``), shape (Q, 10), those of ``IMAGINARY_JETS`` divided by ``i``.
+        """What the fields are made of (``fields_of_jets``), ten entries, those of ``IMAGINARY_JETS`` divided by ``i``.
 
         Of a wave of ``sigma`` the first six: ``v, v_xx, v_xphi, v_phiphi, v_x, v_phi``. Of one of the centre the last four:
         ``a_1, p_0, a_0, p_1`` of its shift ``e^{i k x}``, seen at ``b = 1`` and ``-1``, turned by the frame and ``phi``.
+        All are polynomials in ``b`` (whose square is 1 for the centre): coefficients of its powers, shape (Q, 3, 10).
         """
-        k, b, zero = self.p * self.k, self.b, np.zeros((6, len(self.p)))
-        turning = k - b * self.kappa
-        section = np.array([np.ones(len(k)), -(k**2), -k * b, -(b**2), k, b, *zero[:4]])
-        centre = np.array([*zero, -b * turning, -(turning**2), turning, -b * turning**2])
-        return np.ascontiguousarray(np.where(self.centre, centre, section).T)
+        k, kappa = self.p * self.k, self.kappa
+        found = np.zeros((3, 10, len(k)))
+        found[0, 0], found[0, 1], found[0, 4] = 1.0, -(k**2), k
+        found[1, 2], found[1, 5], found[2, 3] = -k, 1.0, -1.0
+        centre = np.zeros_like(found)
+        centre[0, 6], centre[0, 7], centre[0, 8], centre[0, 9] = kappa, -(k**2 + kappa**2), k, 2 * k * kappa
+        centre[1, 6], centre[1, 7], centre[1, 8], centre[1, 9] = -k, 2 * k * kappa, -kappa, -(k**2 + kappa**2)
+        return np.ascontiguousarray(np.where(self.centre, centre, found).transpose(2, 0, 1))
 
     @cached_property
     def symbols(self) -> Complex:
         """The ten fields of each wave (``tube.density``), shape (Q, 10)."""
-        phases = np.where(np.isin(np.arange(10), IMAGINARY_JETS), 1j, 1.0)
-        return np.asarray((self.jets * phases) @ fields_of_jets(self.kappa).T)
+        return np.asarray((self._at_b(self.jets) * PHASES_OF_JETS) @ fields_of_jets(self.kappa).T)
 
     @cached_property
     def moved(self) -> Array:
-        """What each wave moves points by in the plane, turned as the fields are, the second divided by ``i``: (Q, 2)."""
-        return np.stack((np.ones(len(self.b)), np.where(self.centre, self.b, 0.0)), axis=1)
+        """What each wave moves points by in the plane, turned as the fields are, the second of two entries divided by ``i``.
+
+        Coefficients of powers of ``b``, shape (Q, 2, 2).
+        """
+        return np.where(self.centre[:, None, None], np.eye(2), [[1.0, 0.0], [0.0, 0.0]])
 
     @cached_property
     def displacements(self) -> Complex:
-        """The same, nothing divided."""
-        return self.moved * np.array((1.0, 1j))
+        """The same, nothing divided, shape (Q, 2)."""
+        return self._at_b(self.moved) * np.array((1.0, 1j))
 
-    def bending_forms(self, cell: Cell, transform: MatrixTransform) -> Forms:
-        """``mean of z . W z'`` of the jets ``z`` of each pair of waves, ``W`` given as ``matrix_transform``."""
-        ends = np.where(self.centre[:, None], (6, 10), (0, 6))
-        forms = self._forms(cell, self.jets, ends, transform, of_centre=True)
-        order = np.argsort(self.p, kind="stable")
-        order = order[~self.centre[order]]
-        starts = np.append(np.flatnonzero(np.diff(self.p[order], prepend=-1)), len(order))
-        add_sections(
-            tuple(forms[:3]), self.k, self.p, self.b, order, starts, transform.coefficients, cell.period, cell.fold
-        )
-        return forms
+    def _at_b(self, polynomials: Array) -> Array:
+        return np.asarray(np.einsum("qu,quf->qf", self.b[:, None] ** np.arange(polynomials.shape[1]), polynomials))
 
-    def moving_forms(self, cell: Cell, transform: MatrixTransform) -> Forms:
-        """``mean of z . W z'`` of the displacements ``z`` of each pair of waves, ``W`` given as ``matrix_transform``."""
-        return self._forms(cell, self.moved, self._moved_ends, transform)
+    @cached_property
+    def groups(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """The waves, those of one ``p`` and of the centre or not together, where each group starts among them, and the end."""
+        group = 2 * self.p + self.centre
+        order = np.argsort(group, kind="stable")
+        return order, np.append(np.flatnonzero(np.diff(group[order], prepend=-1)), len(order))
 
-    def dragging_forms(self, cell: Cell, transform: MatrixTransform) -> Forms:
-        """``mean of z . W z'`` of one wave's displacement ``z``, and another's displacement and first four fields ``z'``.
+    def bending(self, cell: Cell, transform: MatrixTransform, *families: ModeWaves) -> list[Array]:
+        """``mean of z . W z'`` of the jets ``z`` of each pair of modes of a family of these waves, shape (modes, modes).
+
+        Args:
+            cell: whose grid ``W`` is given on.
+            transform: of ``W``, from ``matrix_transform``.
+            families: of modes, which share most of the work.
+        """
+        return self._forms(cell, self.jets, self.jets, transform, families)
+
+    def moving(self, cell: Cell, transform: MatrixTransform, *families: ModeWaves) -> list[Array]:
+        """``mean of z . W z'`` of the displacements ``z`` of each pair of modes; see ``bending``."""
+        return self._forms(cell, self.moved, self.moved, transform, families)
+
+    def dragging(self, cell: Cell, transform: MatrixTransform, *families: ModeWaves) -> list[Array]:
+        """``mean of z . W z'`` of one mode's displacement ``z``, and another's displacement and first four fields ``z'``.
 
         ``W`` is given as ``matrix_transform`` of 6 x 6 matrices for vectors with the ``IMAGINARY_DRAGS``; what they say of two
-        fields is not used.
+        fields is not used. See ``bending``.
         """
-        changed = np.hstack((self.moved, (self.symbols[:, :4] / (1j, 1.0, 1j, 1.0)).real))
-        ends = np.where(self.centre[:, None], (0, 4), (0, 6))
-        found = wave_forms(
-            self.moved, self._moved_ends, changed, ends, self.p, self.b, *transform, cell.period, cell.fold, False, False
-        )  # fmt: skip
-        return Forms(*found)
-
-    @property
-    def _moved_ends(self) -> NDArray[np.intp]:
-        """First and last entry but one of ``moved`` that are not zero."""
-        return np.where(self.centre[:, None], (0, 2), (0, 1))
+        first_fields = fields_of_jets(self.kappa)[:4].T * (PHASES_OF_JETS[:, None] / (1j, 1.0, 1j, 1.0)).real
+        fields = self.jets[:, :2] @ first_fields  # none of them has the square of b
+        return self._forms(cell, self.moved, np.concatenate((self.moved, fields), axis=2), transform, families)
 
     def _forms(
-        self, cell: Cell, z: Array, ends: NDArray[np.intp], transform: MatrixTransform, *, of_centre: bool = False
-    ) -> Forms:
-        found = wave_forms(z, ends, z, ends, self.p, self.b, *transform, cell.period, cell.fold, True, of_centre)
-        return Forms(*found[:3])
+        self, cell: Cell, left: Array, right: Array, transform: MatrixTransform, families: Sequence[ModeWaves]
+    ) -> list[Array]:
+        together, most, largest = _together(families), np.diff(self.groups[1]).max(), 2 * np.abs(self.b).max()
+        around_of = np.array([folded(d, cell.fold, cell.points[1]) for d in range(-largest, largest + 1)])
+        tile, found = np.empty((2, 2, most, most)), np.zeros(np.sum(together.sizes**2))
+        forms_of_modes(
+            left, right, self.p, self.b, *self.groups, *transform, (cell.period, *cell.points), around_of, together,
+            left is right, tile, found,
+        )  # fmt: skip
+        pieces = np.split(found, np.cumsum(together.sizes**2)[:-1])
+        return [piece.reshape(size, size) for piece, size in zip(pieces, together.sizes, strict=True)]
 
 
 IMAGINARY_JETS = (4, 5, 8, 9)
 """Jets of a wave that are imaginary: first derivatives of ``sigma``, and ``a_0`` and ``p_1`` of the centre."""
+
+PHASES_OF_JETS = np.where(np.isin(np.arange(10), IMAGINARY_JETS), 1j, 1.0)
+"""What those jets are to be multiplied by."""
 
 IMAGINARY_DRAGS = (1, 2, 4)
 """Imaginary entries of a wave's displacement and its first four fields, in one vector."""
@@ -173,28 +188,15 @@ def fields_of_jets(kappa: float) -> Array:
     return matrix
 
 
-class Forms(NamedTuple):
-    """``mean of f . W f'`` of real and imaginary parts of waves, each of shape (Q, Q).
-
-    Attributes:
-        cosines: of two real parts ``Re e^{iq}``.
-        sines: of two ``-Im e^{iq}``, the real parts of ``i e^{iq}``.
-        mixed: of an ``-Im e^{iq}`` (rows) and a ``Re e^{iq}``.
-        turned: of a ``Re e^{iq}`` (rows) and an ``-Im e^{iq}``; None where the form is symmetric.
-    """
-
-    cosines: Array
-    sines: Array
-    mixed: Array
-    turned: Array | None = None
-
-
 class MatrixTransform(NamedTuple):
-    """Fourier coefficients of matrices W, times the phases of what stands left (conjugate) and right of them, 1 or i.
+    """Fourier coefficients of symmetric matrices W, times the phases of what stands left (conjugate) and right, 1 or i.
+
+    At a frequency ``y`` beyond those that a real transform keeps they are those of the opposite one, the first part times
+    ``s``, the second times ``-s``: ``s`` is the product of an entry's two ``signs``. Above the diagonal, both times ``s``.
 
     Attributes:
-        coefficients: shape (1 or 2, points along, points around, F, F), real and imaginary parts first. Where the surface is
-            even along and around, all are real.
+        coefficients: lower halves, row by row, of their real and imaginary parts: shape (1 or 2, F(F + 1)/2, points along,
+            points around/2 + 1). Where the surface is even along and around, all are real.
         signs: what an opposite wave has of a wave's vector, its phases taken out: -1 where those are i, shape (F,).
     """
 
@@ -214,10 +216,10 @@ def matrix_transform(
         basis: what makes the matrices' vectors of others that are meant, shape (F, F).
     """
     size = weights.shape[1]
-    lower = lower_halves(weights, np.eye(size) if basis is None else basis)
+    lower = lower_halves(np.ascontiguousarray(weights), np.eye(size) if basis is None else basis)
     half = rfft2(lower.reshape(-1, *cell.points), norm="forward")
     signs = np.where(np.isin(np.arange(size), imaginary), -1.0, 1.0)
-    return MatrixTransform(all_frequencies(half, cell.points[1], signs), signs)
+    return MatrixTransform(with_phases(half, signs), signs)
 
 
 # Arrays of megabytes are costly to come by, whatever is done with them: these loops make few.
@@ -304,11 +306,50 @@ class ModeWaves:
         """Where the waves of each mode start, their numbers and coefficients, as the compiled loops take them."""
         return self.coefficients.indptr, self.coefficients.indices, self.coefficients.data
 
-    def quadratic(self, forms: Forms) -> Array:
-        """``mean of f . W f'`` for each pair of modes, from those of their waves: shape (modes, modes)."""
-        symmetric = forms.turned is None
-        turned = forms.mixed.T if symmetric else forms.turned
-        return np.asarray(reduced_to_modes(*self._columns, *forms[:3], turned, symmetric))
+
+class Families(NamedTuple):
+    """Modes of some families, one after the other, as sums of the waves that they share.
+
+    Attributes:
+        starts: where the waves of each mode start, and the end.
+        places: of these waves in their groups (``Waves.groups``).
+        factors: their coefficients, or those divided by ``i``.
+        kinds: of the modes: 1 where their coefficients are imaginary, else 0.
+        listed: the modes by the groups of their waves, and by families.
+        bounds: where the modes of each group and family start in that list, and end, shape (groups, families + 1).
+        rows: of the modes in their families.
+        sizes: of the families.
+    """
+
+    starts: NDArray[np.intp]
+    places: NDArray[np.intp]
+    factors: Array
+    kinds: NDArray[np.intp]
+    listed: NDArray[np.intp]
+    bounds: NDArray[np.intp]
+    rows: NDArray[np.intp]
+    sizes: NDArray[np.intp]
+
+
+def _together(families: Sequence[ModeWaves]) -> Families:
+    columns = [family.coefficients for family in families]
+    sizes = np.array([c.shape[1] for c in columns])
+    starts = np.append(0, np.cumsum(np.concatenate([np.diff(c.indptr) for c in columns])))
+    waves = np.concatenate([c.indices for c in columns])
+    order, first = families[0].waves.groups
+    group, place = np.empty_like(order), np.empty_like(order)
+    group[order] = np.repeat(np.arange(len(first) - 1), np.diff(first))
+    place[order] = np.arange(len(order)) - first[group[order]]
+    of_modes, family = group[waves[starts[:-1]]], np.repeat(np.arange(len(sizes)), sizes)
+    listed = np.lexsort((family, of_modes))
+    counts = np.zeros((len(first) - 1, len(sizes)), dtype=np.intp)
+    np.add.at(counts, (of_modes, family), 1)
+    bounds = np.cumsum(counts).reshape(counts.shape)
+    bounds = np.column_stack((bounds[:, 0] - counts[:, 0], bounds))
+    rows = np.concatenate([np.arange(size) for size in sizes])
+    values = np.concatenate([c.data for c in columns])
+    kinds = (values.real[starts[:-1]] == 0).astype(np.intp)
+    return Families(starts, place[waves], values.real + values.imag, kinds, listed, bounds, rows, sizes)
 
 
 def _wave_entries(mode: Mode) -> list[tuple[tuple[int, int], complex]]:
