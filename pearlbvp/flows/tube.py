@@ -28,7 +28,7 @@ from pearlbvp.tube.rigid import rigid_motions
 from pearlbvp.tube.spectrum import Equilibrium
 from pearlbvp.tube.symmetry import product_modes
 from pearlbvp.tube.torus import TorusFunction
-from pearlbvp.tube.waves import IMAGINARY_DRAGS, Cell, MatrixTransform, ModeWaves, matrix_transform
+from pearlbvp.tube.waves import IMAGINARY_DRAGS, Cell, Families, MatrixTransform, ModeWaves, matrix_transform
 from pearlbvp.units import Sentence
 
 THINNEST, STEEPEST = 1e-2, 20.0
@@ -191,7 +191,7 @@ class TubeFlow:
         matrix = tube.hessian(self.waves)
         if factor or rate.any():
             drag = self._drag(tube, rate, factor)
-            matrix += self.waves.waves.dragging(self.cell, drag, self.waves)[0]
+            matrix += self.waves.waves.dragging(self.cell, drag, Families.of(self.waves))[0]
         return matrix
 
     def columns(self, q: Array) -> Array:

@@ -139,18 +139,20 @@ def by_powers(left, right, weights, signs, sign, x, table):  # type: ignore[no-u
         table: to be filled for each part and two powers, shape (1 or 2, U, V, points around).
     """
     along, kept, around = weights.shape[2], weights.shape[3], table.shape[3]
-    table[:] = 0.0
     if x < 0:
         return
-    for a in range(left.shape[1]):
-        for c in range(right.shape[1]):
-            entry, alike = a * (a + 1) // 2 + c if a >= c else c * (c + 1) // 2 + a, signs[a] * signs[c]
-            turned = (alike if a < c else 1.0) * (signs[a] if sign < 0 else 1.0)
-            for u in range(len(left)):
-                for v in range(len(right)):
-                    factor = turned * left[u, a] * right[v, c]
-                    if factor == 0:
+    table[:] = 0.0
+    for u in range(left.shape[0]):
+        for a in range(left.shape[1]):
+            if left[u, a] == 0:
+                continue
+            of_row = left[u, a] * (signs[a] if sign < 0 else 1.0)
+            for v in range(right.shape[0]):
+                for c in range(right.shape[1]):
+                    if right[v, c] == 0:
                         continue
+                    entry, alike = a * (a + 1) // 2 + c if a >= c else c * (c + 1) // 2 + a, signs[a] * signs[c]
+                    factor = of_row * right[v, c] * (alike if a < c else 1.0)
                     for part in range(len(table)):
                         row, here = table[part, u, v], weights[part, entry, x]
                         there = weights[part, entry, (along - x) % along]
@@ -193,7 +195,8 @@ def tile_of_waves(left, right, b, ones, others, weights, signs, along_of, around
     for i in range(len(ones)):
         for j in range(len(others)):
             one, other = b[ones[i]], b[others[j]]
-            y, opposite = around_of[one - other + len(around_of) // 2], around_of[-one - other + len(around_of) // 2]
+            y = around_of[one - other + len(around_of) // 2] if along_of[0] >= 0 else -1
+            opposite = around_of[-one - other + len(around_of) // 2] if along_of[1] >= 0 else -1
             for part in range(2):
                 here = there = 0.0
                 if part < len(weights):

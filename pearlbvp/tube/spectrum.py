@@ -26,6 +26,7 @@ from pearlbvp.tube.density import areas, gradients, hessians
 from pearlbvp.tube.waves import (
     IMAGINARY_JETS,
     Cell,
+    Families,
     MatrixTransform,
     ModeWaves,
     fields_of_jets,
@@ -91,19 +92,19 @@ class Equilibrium:
 
     def hessian(self, modes: ModeWaves) -> Array:
         """Matrix of the second variation, shape (N, N)."""
-        return modes.waves.bending(self.cell, self._bending, modes)[0]
+        return modes.waves.bending(self.cell, self._bending, Families.of(modes))[0]
 
     def mass(self, modes: ModeWaves) -> Array:
         """Matrix of the normal displacement's mean square, shape (N, N)."""
-        return modes.waves.moving(self.cell, self._moving, modes)[0]
+        return modes.waves.moving(self.cell, self._moving, Families.of(modes))[0]
 
     def second_variations(self, *families: ModeWaves) -> list[tuple[Array, Array]]:
         """Matrices of the second variation and of the normal displacement's mean square, shape (N, N), of each family.
 
         Those of the same waves share nearly all of the work.
         """
-        waves, cell = families[0].waves, self.cell
-        bending, moving = waves.bending(cell, self._bending, *families), waves.moving(cell, self._moving, *families)
+        waves, cell, together = families[0].waves, self.cell, Families.of(*families)
+        bending, moving = waves.bending(cell, self._bending, together), waves.moving(cell, self._moving, together)
         return list(zip(bending, moving, strict=True))
 
     @cached_property

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,6 @@ from scipy.sparse import csc_array
 from pearlbvp.arrays import Array, Complex
 from pearlbvp.representation import brief
 from pearlbvp.tube.kernels import (
-    folded,
     forms_of_modes,
     lower_halves,
     means_over_modes,
@@ -124,21 +123,21 @@ class Waves:
         order = np.argsort(group, kind="stable")
         return order, np.append(np.flatnonzero(np.diff(group[order], prepend=-1)), len(order))
 
-    def bending(self, cell: Cell, transform: MatrixTransform, *families: ModeWaves) -> list[Array]:
+    def bending(self, cell: Cell, transform: MatrixTransform, families: Families) -> list[Array]:
         """``mean of z . W z'`` of the jets ``z`` of each pair of modes of a family of these waves, shape (modes, modes).
 
         Args:
             cell: whose grid ``W`` is given on.
             transform: of ``W``, from ``matrix_transform``.
-            families: of modes, which share most of the work.
+            families: of modes, which share most of the work (``Families.of``).
         """
         return self._forms(cell, self.jets, self.jets, transform, families)
 
-    def moving(self, cell: Cell, transform: MatrixTransform, *families: ModeWaves) -> list[Array]:
+    def moving(self, cell: Cell, transform: MatrixTransform, families: Families) -> list[Array]:
         """``mean of z . W z'`` of the displacements ``z`` of each pair of modes; see ``bending``."""
         return self._forms(cell, self.moved, self.moved, transform, families)
 
-    def dragging(self, cell: Cell, transform: MatrixTransform, *families: ModeWaves) -> list[Array]:
+    def dragging(self, cell: Cell, transform: MatrixTransform, families: Families) -> list[Array]:
         """``mean of z . W z'`` of one mode's displacement ``z``, and another's displacement and first four fields ``z'``.
 
         ``W`` is given as ``matrix_transform`` of 6 x 6 matrices for vectors with the ``IMAGINARY_DRAGS``; what they say of two
@@ -149,17 +148,18 @@ class Waves:
         return self._forms(cell, self.moved, np.concatenate((self.moved, fields), axis=2), transform, families)
 
     def _forms(
-        self, cell: Cell, left: Array, right: Array, transform: MatrixTransform, families: Sequence[ModeWaves]
+        self, cell: Cell, left: Array, right: Array, transform: MatrixTransform, families: Families
     ) -> list[Array]:
-        together, most, largest = _together(families), np.diff(self.groups[1]).max(), 2 * np.abs(self.b).max()
-        around_of = np.array([folded(d, cell.fold, cell.points[1]) for d in range(-largest, largest + 1)])
-        tile, found = np.empty((2, 2, most, most)), np.zeros(np.sum(together.sizes**2))
+        most, largest = np.diff(self.groups[1]).max(), 2 * np.abs(self.b).max()
+        differences, unit = np.arange(-largest, largest + 1), cell.fold or largest + 1
+        around_of = np.where(differences % unit == 0, differences // unit % cell.points[1], -1)
+        tile, found = np.empty((2, 2, most, most)), np.zeros(np.sum(families.sizes**2))
         forms_of_modes(
-            left, right, self.p, self.b, *self.groups, *transform, (cell.period, *cell.points), around_of, together,
+            left, right, self.p, self.b, *self.groups, *transform, (cell.period, *cell.points), around_of, families,
             left is right, tile, found,
         )  # fmt: skip
-        pieces = np.split(found, np.cumsum(together.sizes**2)[:-1])
-        return [piece.reshape(size, size) for piece, size in zip(pieces, together.sizes, strict=True)]
+        pieces = np.split(found, np.cumsum(families.sizes**2)[:-1])
+        return [piece.reshape(size, size) for piece, size in zip(pieces, families.sizes, strict=True)]
 
 
 IMAGINARY_JETS = (4, 5, 8, 9)
@@ -225,7 +225,7 @@ def matrix_transform(
 # Arrays of megabytes are costly to come by, whatever is done with them: these loops make few.
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ModeWaves:
     """Real modes as sums of waves: each is the real part of ``sum of C_q e^{i q}``.
 
@@ -330,26 +330,28 @@ class Families(NamedTuple):
     rows: NDArray[np.intp]
     sizes: NDArray[np.intp]
 
-
-def _together(families: Sequence[ModeWaves]) -> Families:
-    columns = [family.coefficients for family in families]
-    sizes = np.array([c.shape[1] for c in columns])
-    starts = np.append(0, np.cumsum(np.concatenate([np.diff(c.indptr) for c in columns])))
-    waves = np.concatenate([c.indices for c in columns])
-    order, first = families[0].waves.groups
-    group, place = np.empty_like(order), np.empty_like(order)
-    group[order] = np.repeat(np.arange(len(first) - 1), np.diff(first))
-    place[order] = np.arange(len(order)) - first[group[order]]
-    of_modes, family = group[waves[starts[:-1]]], np.repeat(np.arange(len(sizes)), sizes)
-    listed = np.lexsort((family, of_modes))
-    counts = np.zeros((len(first) - 1, len(sizes)), dtype=np.intp)
-    np.add.at(counts, (of_modes, family), 1)
-    bounds = np.cumsum(counts).reshape(counts.shape)
-    bounds = np.column_stack((bounds[:, 0] - counts[:, 0], bounds))
-    rows = np.concatenate([np.arange(size) for size in sizes])
-    values = np.concatenate([c.data for c in columns])
-    kinds = (values.real[starts[:-1]] == 0).astype(np.intp)
-    return Families(starts, place[waves], values.real + values.imag, kinds, listed, bounds, rows, sizes)
+    @classmethod
+    @lru_cache(maxsize=32)
+    def of(cls, *families: ModeWaves) -> Families:
+        """Families of the same waves; all points of a branch on some modes have the same ones."""
+        columns = [family.coefficients for family in families]
+        sizes = np.array([c.shape[1] for c in columns])
+        starts = np.append(0, np.cumsum(np.concatenate([np.diff(c.indptr) for c in columns])))
+        waves = np.concatenate([c.indices for c in columns])
+        order, first = families[0].waves.groups
+        group, place = np.empty_like(order), np.empty_like(order)
+        group[order] = np.repeat(np.arange(len(first) - 1), np.diff(first))
+        place[order] = np.arange(len(order)) - first[group[order]]
+        of_modes, family = group[waves[starts[:-1]]], np.repeat(np.arange(len(sizes)), sizes)
+        listed = np.lexsort((family, of_modes))
+        counts = np.zeros((len(first) - 1, len(sizes)), dtype=np.intp)
+        np.add.at(counts, (of_modes, family), 1)
+        bounds = np.cumsum(counts).reshape(counts.shape)
+        bounds = np.column_stack((bounds[:, 0] - counts[:, 0], bounds))
+        rows = np.concatenate([np.arange(size) for size in sizes])
+        values = np.concatenate([c.data for c in columns])
+        kinds = (values.real[starts[:-1]] == 0).astype(np.intp)
+        return cls(starts, place[waves], values.real + values.imag, kinds, listed, bounds, rows, sizes)
 
 
 def _wave_entries(mode: Mode) -> list[tuple[tuple[int, int], complex]]:

@@ -22,7 +22,15 @@ from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.onset import onset
 from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.tube.symmetry import TubeSymmetry, buckle_symmetry, coil_symmetry, product_modes, ring_symmetry
-from pearlbvp.tube.waves import IMAGINARY_DRAGS, IMAGINARY_JETS, Cell, ModeWaves, fields_of_jets, matrix_transform
+from pearlbvp.tube.waves import (
+    IMAGINARY_DRAGS,
+    IMAGINARY_JETS,
+    Cell,
+    Families,
+    ModeWaves,
+    fields_of_jets,
+    matrix_transform,
+)
 
 MODES = {"ring": (0, 2), "coil": (1, 1), "buckle": (1, 1), "pearl": (1, 0)}
 
@@ -148,14 +156,22 @@ def test_forms_of_modes_are_sums_over_points(turns, cell, even):
     fields, displaced = basis.fields, basis.displacement()
     on_cell, everywhere = weights([-1, 1, -1, 1, 1, -1, 1, -1, 1, -1])
     bent = matrix_transform(cell, on_cell, IMAGINARY_JETS, fields_of_jets(waves.kappa))
-    compare(waves.bending(cell, bent, *families), fields, everywhere, fields, len(bent.coefficients))
+    compare(waves.bending(cell, bent, Families.of(*families)), fields, everywhere, fields, len(bent.coefficients))
     on_cell, everywhere = weights([1, -1])
     moved = matrix_transform(cell, on_cell, (1,))
-    compare(waves.moving(cell, moved, *families), displaced, everywhere, displaced, len(moved.coefficients))
+    compare(
+        waves.moving(cell, moved, Families.of(*families)), displaced, everywhere, displaced, len(moved.coefficients)
+    )
     on_cell, everywhere = weights([1, -1, -1, 1, -1, 1])
     drag = matrix_transform(cell, on_cell, IMAGINARY_DRAGS)
     changed = np.concatenate((displaced, fields[:, :4]), axis=1)
-    compare(waves.dragging(cell, drag, *families), displaced, everywhere[:, :2], changed, len(drag.coefficients))
+    compare(
+        waves.dragging(cell, drag, Families.of(*families)),
+        displaced,
+        everywhere[:, :2],
+        changed,
+        len(drag.coefficients),
+    )
 
 
 @pytest.mark.parametrize("points", [(6, 6), (5, 4), (4, 3), (1, 1)])
