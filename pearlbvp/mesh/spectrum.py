@@ -165,6 +165,11 @@ SHIFT = 1e-2
 """Growth rate about which the inverse is taken instead."""
 
 
+GUARD = 4
+"""Rates beyond those wanted: Lanczos' method meets the copies of a multiple rate one by one, through rounding, and might be
+content with a simple one farther from zero before it has all."""
+
+
 @dataclass(frozen=True)
 class Inverse:
     """The inverse of ``second - shift mass`` on what some rows annihilate.
@@ -213,11 +218,12 @@ def _nearest_zero(
     start = of_block(mass @ np.random.default_rng(0).standard_normal(size))
     try:
         values, vectors = eigsh(
-            second, min(number, size // 2), mass, sigma=inverse.shift, OPinv=operator, v0=start, tol=1e-10
+            second, min(number + GUARD, size // 2), mass, sigma=inverse.shift, OPinv=operator, v0=start, tol=1e-10
         )
     except sparse.linalg.ArpackNoConvergence as error:
         raise np.linalg.LinAlgError(f"Lanczos' method: {error}") from None
-    order = np.argsort(values)
+    nearest = np.argsort(np.abs(values - inverse.shift))[:number]
+    order = nearest[np.argsort(values[nearest])]
     return -values[order], vectors[:, order]
 
 
