@@ -1,12 +1,15 @@
 """Helfrich energy, area and volume of the subdivision surface at its quadrature points, with exact derivatives.
 
 With tangents ``a, b``, second derivatives ``p, q, r``, ``E = a.a, F = a.b, G = b.b``, ``c = a x b``, ``g = c.c = E G - F^2``,
-``M = -(G p - 2 F q + E r).c`` and the outward ``c``: ``H = M/(2 g^{3/2})``, and by area of the parameter plane::
+``P = p.c, Q = q.c, R = r.c``, ``M = -(G P - 2 F Q + E R)`` and the outward ``c``: ``H = M/(2 g^{3/2})``, and by area of the
+parameter plane::
 
     (H - c0)^2 dS = M^2/(4 g^{5/2}) - c0 M/g + c0^2 sqrt(g),   dV = (y c_y + z c_z)/2
 
 Control vertices move along fixed directions, ``X_i = X0_i + u_i N_i``. Everything is differentiated as it is summed: the
-second derivative is symmetric, and its inertia counts (``docs/theory/meshes.md``).
+second derivative is symmetric, and its inertia counts (``docs/theory/meshes.md``). At each point it is a sum of products of
+the first derivatives of these nine quantities, for each of them is bilinear in the position's derivatives, which are linear in
+``u``: a matrix of rank twenty.
 """
 
 from __future__ import annotations
@@ -26,104 +29,92 @@ def _dot(a, b):  # type: ignore[no-untyped-def]
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@compiled
-def _add_outer(block, factor, a, b):  # type: ignore[no-untyped-def]
-    """``block += factor a b^T``."""
-    for x in range(3):
-        for y in range(3):
-            block[x, y] += factor * a[x] * b[y]
+TERMS = 20
+"""Products that the second derivative of ``F`` is the sum of."""
 
 
 @compiled
-def _add_cross(block, factor, a):  # type: ignore[no-untyped-def]
-    """``block += factor [a]_x``, the matrix of the vector product with ``a`` from the left."""
-    block[0, 1] -= factor * a[2]
-    block[0, 2] += factor * a[1]
-    block[1, 0] += factor * a[2]
-    block[1, 2] -= factor * a[0]
-    block[2, 0] -= factor * a[1]
-    block[2, 1] += factor * a[0]
+def _jet(point, low, size, index, weights, offsets, X, directions, jet, N):  # type: ignore[no-untyped-def]
+    """Position and its derivatives ``X, a, b, p, q, r`` at a point, shape (6, 3), and the directions there, shape (3, size)."""
+    for k in range(6):
+        jet[k, 0], jet[k, 1], jet[k, 2] = offsets[k, point], 0.0, 0.0
+    for term in range(size):
+        j = index[low + term]
+        x, y, z = X[j, 0], X[j, 1], X[j, 2]
+        N[0, term], N[1, term], N[2, term] = directions[j, 0], directions[j, 1], directions[j, 2]
+        for k in range(6):
+            w = weights[k, low + term]
+            jet[k, 0] += w * x
+            jet[k, 1] += w * y
+            jet[k, 2] += w * z
 
 
 @compiled
-def _add_identity(block, factor):  # type: ignore[no-untyped-def]
-    for x in range(3):
-        block[x, x] += factor
+def _first(low, size, weights, jet, N, D):  # type: ignore[no-untyped-def]
+    """Derivatives by the directions, a row each: ``M, g, E, G, F, P, Q, R``, then ``c, a, b`` by components, 17 in all."""
+    a, b, p, q, r = jet[1], jet[2], jet[3], jet[4], jet[5]
+    E, F, G, c = _dot(a, a), _dot(a, b), _dot(b, b), _cross(a, b)
+    P, Q, R = _dot(p, c), _dot(q, c), _dot(r, c)
+    for term in range(size):
+        w1, w2, nx, ny, nz = weights[1, low + term], weights[2, low + term], N[0, term], N[1, term], N[2, term]
+        an, bn = a[0] * nx + a[1] * ny + a[2] * nz, b[0] * nx + b[1] * ny + b[2] * nz
+        cn = c[0] * nx + c[1] * ny + c[2] * nz
+        cx = w1 * (ny * b[2] - nz * b[1]) + w2 * (a[1] * nz - a[2] * ny)
+        cy = w1 * (nz * b[0] - nx * b[2]) + w2 * (a[2] * nx - a[0] * nz)
+        cz = w1 * (nx * b[1] - ny * b[0]) + w2 * (a[0] * ny - a[1] * nx)
+        e, f, h = 2 * w1 * an, w1 * bn + w2 * an, 2 * w2 * bn
+        by_p = weights[3, low + term] * cn + p[0] * cx + p[1] * cy + p[2] * cz
+        by_q = weights[4, low + term] * cn + q[0] * cx + q[1] * cy + q[2] * cz
+        by_r = weights[5, low + term] * cn + r[0] * cx + r[1] * cy + r[2] * cz
+        D[0, term] = -(h * P + G * by_p - 2 * (f * Q + F * by_q) + e * R + E * by_r)
+        D[1, term] = e * G + E * h - 2 * F * f
+        D[2, term], D[3, term], D[4, term] = e, h, f
+        D[5, term], D[6, term], D[7, term] = by_p, by_q, by_r
+        D[8, term], D[9, term], D[10, term] = cx, cy, cz
+        D[11, term], D[12, term], D[13, term] = w1 * nx, w1 * ny, w1 * nz
+        D[14, term], D[15, term], D[16, term] = w2 * nx, w2 * ny, w2 * nz
 
 
 @compiled
-def _numerator_and_metric(z, first):  # type: ignore[no-untyped-def]
-    """``M`` and ``g``; their gradients by ``X, a, b, p, q, r`` go to ``first``, shape (2, 6, 3)."""
-    a, b, p, q, r = z[1], z[2], z[3], z[4], z[5]
-    E, F, G = _dot(a, a), _dot(a, b), _dot(b, b)
-    c = _cross(a, b)
-    pc, qc, rc = _dot(p, c), _dot(q, c), _dot(r, c)
-    w = (G * p[0] - 2 * F * q[0] + E * r[0], G * p[1] - 2 * F * q[1] + E * r[1], G * p[2] - 2 * F * q[2] + E * r[2])
-    bw, wa = _cross(b, w), _cross(w, a)
-    for x in range(3):
-        first[0, 0, x] = 0.0
-        first[0, 1, x] = -2 * (a[x] * rc - b[x] * qc) - bw[x]
-        first[0, 2, x] = -2 * (b[x] * pc - a[x] * qc) - wa[x]
-        first[0, 3, x] = -G * c[x]
-        first[0, 4, x] = 2 * F * c[x]
-        first[0, 5, x] = -E * c[x]
-        first[1, :, x] = 0.0
-        first[1, 1, x] = 2 * (G * a[x] - F * b[x])
-        first[1, 2, x] = 2 * (E * b[x] - F * a[x])
-    return -_dot(w, c), E * G - F * F
+def _products(low, size, weights, jet, N, D, f, lambda2, left, right):  # type: ignore[no-untyped-def]
+    """Factors of the second derivative, shapes (20, size): the sum over rows of ``left_i right_j``.
 
-
-@compiled
-def _second(z, by_M, by_g, lambda2, second):  # type: ignore[no-untyped-def]
-    """``by_M M'' + by_g g'' + lambda2`` times the volume's, upper blocks of ``second``, shape (6, 6, 3, 3)."""
-    X, a, b, p, q, r = z[0], z[1], z[2], z[3], z[4], z[5]
-    E, F, G = _dot(a, a), _dot(a, b), _dot(b, b)
-    c = _cross(a, b)
-    pc, qc, rc = _dot(p, c), _dot(q, c), _dot(r, c)
-    m = by_M
-    aa, ab, bb = second[1, 1], second[1, 2], second[2, 2]
-    bq, br, qa, pa = _cross(b, q), _cross(b, r), _cross(q, a), _cross(p, a)
-    _add_outer(aa, 2 * m, b, bq)
-    _add_outer(aa, 2 * m, bq, b)
-    _add_outer(aa, -2 * m, a, br)
-    _add_outer(aa, -2 * m, br, a)
-    _add_identity(aa, -2 * m * rc)
-    _add_outer(bb, -2 * m, b, pa)
-    _add_outer(bb, -2 * m, pa, b)
-    _add_outer(bb, 2 * m, a, qa)
-    _add_outer(bb, 2 * m, qa, a)
-    _add_identity(bb, -2 * m * pc)
-    _add_outer(ab, -2 * m, _cross(b, p), b)
-    _add_cross(ab, G * m, p)
-    _add_outer(ab, 2 * m, b, qa)
-    _add_outer(ab, 2 * m, bq, a)
-    _add_identity(ab, 2 * m * qc)
-    _add_cross(ab, -2 * F * m, q)
-    _add_outer(ab, -2 * m, a, _cross(r, a))
-    _add_cross(ab, E * m, r)
-    # by a or b (rows) and p, q, r: transposes of the derivatives of -G c, 2 F c, -E c
-    _add_cross(second[1, 3], -G * m, b)
-    _add_outer(second[2, 3], -2 * m, b, c)
-    _add_cross(second[2, 3], G * m, a)
-    _add_outer(second[1, 4], 2 * m, b, c)
-    _add_cross(second[1, 4], 2 * F * m, b)
-    _add_outer(second[2, 4], 2 * m, a, c)
-    _add_cross(second[2, 4], -2 * F * m, a)
-    _add_outer(second[1, 5], -2 * m, a, c)
-    _add_cross(second[1, 5], -E * m, b)
-    _add_cross(second[2, 5], E * m, a)
-    _add_outer(aa, -2 * by_g, b, b)
-    _add_identity(aa, 2 * by_g * G)
-    _add_outer(bb, -2 * by_g, a, a)
-    _add_identity(bb, 2 * by_g * E)
-    _add_outer(ab, 4 * by_g, a, b)
-    _add_outer(ab, -2 * by_g, b, a)
-    _add_identity(ab, -2 * by_g * F)
-    _add_cross(ab, -lambda2 / 2, (0.0, X[1], X[2]))
-    _add_cross(second[0, 1], -lambda2 / 2, b)
-    _add_cross(second[0, 2], lambda2 / 2, a)
-    second[0, 1, 0, :] = 0.0
-    second[0, 2, 0, :] = 0.0
+    ``f`` has the derivatives ``f_M, f_g, f_MM, f_Mg, f_gg`` of the density.
+    """
+    X, a, b, p, q, r = jet[0], jet[1], jet[2], jet[3], jet[4], jet[5]
+    E, F, G, c = _dot(a, a), _dot(a, b), _dot(b, b), _cross(a, b)
+    P, Q, R = _dot(p, c), _dot(q, c), _dot(r, c)
+    f_M, f_g, f_MM, f_Mg, f_gg = f
+    # What multiplies a_i.a_j, a_i.b_j, b_i.b_j, and c_ij = a_i x b_j - b_i x a_j.
+    aa, ab, bb = 2 * (f_g * G - f_M * R), 2 * (f_M * Q - f_g * F), 2 * (f_g * E - f_M * P)
+    kx = -f_M * (G * p[0] - 2 * F * q[0] + E * r[0])
+    ky = -f_M * (G * p[1] - 2 * F * q[1] + E * r[1]) + lambda2 / 2 * X[1]
+    kz = -f_M * (G * p[2] - 2 * F * q[2] + E * r[2]) + lambda2 / 2 * X[2]
+    for term in range(size):
+        for k in range(8):
+            left[k, term] = D[k, term]
+        e, h, m = D[2, term], D[3, term], D[4, term]
+        right[0, term] = f_MM * D[0, term] + f_Mg * D[1, term]
+        right[1, term] = f_Mg * D[0, term] + f_gg * D[1, term]
+        right[2, term] = f_g * h - f_M * D[7, term]
+        right[3, term] = f_g * e - f_M * D[5, term]
+        right[4, term] = 2 * (f_M * D[6, term] - f_g * m)
+        right[5, term], right[6, term], right[7, term] = -f_M * h, 2 * f_M * m, -f_M * e
+        along = -f_M * (G * weights[3, low + term] - 2 * F * weights[4, low + term] + E * weights[5, low + term])
+        flat = along + lambda2 / 2 * weights[0, low + term]
+        y = (along * N[0, term], flat * N[1, term], flat * N[2, term])
+        for x in range(3):
+            left[8 + x, term], right[8 + x, term] = y[x], D[8 + x, term]
+            left[11 + x, term], right[11 + x, term] = D[8 + x, term], y[x]
+            left[14 + x, term], left[17 + x, term] = D[11 + x, term], D[14 + x, term]
+        ax, ay, az = D[11, term], D[12, term], D[13, term]
+        bx, by, bz = D[14, term], D[15, term], D[16, term]
+        right[14, term] = aa * ax + ab * bx + by * kz - bz * ky
+        right[15, term] = aa * ay + ab * by + bz * kx - bx * kz
+        right[16, term] = aa * az + ab * bz + bx * ky - by * kx
+        right[17, term] = ab * ax + bb * bx - ay * kz + az * ky
+        right[18, term] = ab * ay + bb * by - az * kx + ax * kz
+        right[19, term] = ab * az + bb * bz - ax * ky + ay * kx
 
 
 @compiled
@@ -145,83 +136,61 @@ def limit_sums(X, directions, start, index, weights, offsets, weight, c0, lambda
     most = 0
     for point in range(start.size - 1):
         most = max(most, start[point + 1] - start[point])
-    z, first = np.empty((6, 3)), np.empty((2, 6, 3))
-    second, dense = np.empty((6, 6, 3, 3)), np.empty((18, 18))
-    J, HJ = np.zeros((18, most)), np.empty((18, most))
-    jets = np.empty((3, 6, 3))
+    jet, N, D = np.empty((6, 3)), np.empty((3, most)), np.empty((17, most))
+    left, right, row = np.empty((TERMS, most)), np.empty((TERMS, most)), np.empty(most)
     position = 0
     for point in range(start.size - 1):
         low, size = start[point], start[point + 1] - start[point]
-        for k in range(6):
-            z[k, 0], z[k, 1], z[k, 2] = offsets[k, point], 0.0, 0.0
-            for term in range(size):
-                j = index[low + term]
-                for x in range(3):
-                    z[k, x] += weights[k, low + term] * X[j, x]
-        M, g = _numerator_and_metric(z, first)
+        _jet(point, low, size, index, weights, offsets, X, directions, jet, N)
+        _first(low, size, weights, jet, N, D)
+        a, b = jet[1], jet[2]
+        E, F, G, c = _dot(a, a), _dot(a, b), _dot(b, b), _cross(a, b)
+        M = -(G * _dot(jet[3], c) - 2 * F * _dot(jet[4], c) + E * _dot(jet[5], c))
+        g = E * G - F * F
         root = np.sqrt(g)
-        a, b = z[1], z[2]
-        c, flat = _cross(a, b), (0.0, z[0, 1], z[0, 2])
         values[0] += weight * (M * M / (4 * g * g * root) - c0 * M / g + c0 * c0 * root)
         values[1] += weight * root
-        values[2] += weight * _dot(flat, c) / 2
-        e_M = M / (2 * g * g * root) - c0 / g
-        e_g = -5 * M * M / (8 * g * g * g * root) + c0 * M / (g * g) + c0 * c0 / (2 * root)
-        bx, xa = _cross(b, flat), _cross(flat, a)
-        for k in range(6):
-            for x in range(3):
-                jets[0, k, x] = e_M * first[0, k, x] + e_g * first[1, k, x]
-                jets[1, k, x] = first[1, k, x] / (2 * root)
-                jets[2, k, x] = 0.0
-        for x in range(3):
-            jets[2, 0, x] = c[x] / 2 if x > 0 else 0.0
-            jets[2, 1, x] = bx[x] / 2
-            jets[2, 2, x] = xa[x] / 2
+        values[2] += weight * (jet[0, 1] * c[1] + jet[0, 2] * c[2]) / 2
+        f_M = M / (2 * g * g * root) - c0 / g
+        f_g = -5 * M * M / (8 * g * g * g * root) + c0 * M / (g * g) + c0 * c0 / (2 * root)
         for term in range(size):
             j = index[low + term]
-            for k in range(6):
-                for x in range(3):
-                    move = weight * weights[k, low + term] * directions[j, x]
-                    for which in range(3):
-                        gradients[which, j] += move * jets[which, k, x]
+            flux = weights[0, low + term] * (N[1, term] * c[1] + N[2, term] * c[2])
+            flux += jet[0, 1] * D[9, term] + jet[0, 2] * D[10, term]
+            gradients[0, j] += weight * (f_M * D[0, term] + f_g * D[1, term])
+            gradients[1, j] += weight * D[1, term] / (2 * root)
+            gradients[2, j] += weight * flux / 2
         if place.size == 0:
             continue
-        e_g += lambda1 / (2 * root)
-        e_MM = 1 / (2 * g * g * root)
-        e_Mg = -5 * M / (4 * g * g * g * root) + c0 / (g * g)
-        e_gg = 35 * M * M / (16 * g * g * g * g * root) - 2 * c0 * M / (g * g * g)
-        e_gg -= (c0 * c0 + lambda1) / (4 * g * root)
-        second[:] = 0.0
-        _second(z, e_M, e_g, lambda2, second)
-        for k in range(6):
-            for m in range(k, 6):
-                for x in range(3):
-                    for y in range(3):
-                        value = second[k, m, x, y] + e_MM * first[0, k, x] * first[0, m, y]
-                        value += e_Mg * (first[0, k, x] * first[1, m, y] + first[1, k, x] * first[0, m, y])
-                        value += e_gg * first[1, k, x] * first[1, m, y]
-                        dense[3 * k + x, 3 * m + y] = weight * value
-                        dense[3 * m + y, 3 * k + x] = weight * value
-        for k in range(6):
-            for term in range(size):
-                for x in range(3):
-                    J[3 * k + x, term] = weights[k, low + term] * directions[index[low + term], x]
-        for k in range(18):
-            for term in range(size):
-                HJ[k, term] = 0.0
-            for m in range(18):
-                factor = dense[k, m]
-                for term in range(size):
-                    HJ[k, term] += factor * J[m, term]
+        f_g += lambda1 / (2 * root)
+        f_MM = 1 / (2 * g * g * root)
+        f_Mg = -5 * M / (4 * g * g * g * root) + c0 / (g * g)
+        f_gg = 35 * M * M / (16 * g * g * g * g * root) - 2 * c0 * M / (g * g * g)
+        f_gg -= (c0 * c0 + lambda1) / (4 * g * root)
+        f = (weight * f_M, weight * f_g, weight * f_MM, weight * f_Mg, weight * f_gg)
+        _products(low, size, weights, jet, N, D, f, weight * lambda2, left, right)
         for term in range(size):
-            for other in range(term, size):
-                value = 0.0
-                for k in range(18):
-                    value += J[k, term] * HJ[k, other]
-                data[place[position + term * size + other]] += value
-                if other > term:
-                    data[place[position + other * size + term]] += value
-        position += size * size
+            for other in range(size):
+                row[other] = 0.0
+            for k in range(0, TERMS, 5):
+                l0, l1, l2, l3, l4 = (
+                    left[k, term],
+                    left[k + 1, term],
+                    left[k + 2, term],
+                    left[k + 3, term],
+                    left[k + 4, term],
+                )
+                for other in range(size):
+                    row[other] += (
+                        l0 * right[k, other]
+                        + l1 * right[k + 1, other]
+                        + l2 * right[k + 2, other]
+                        + l3 * right[k + 3, other]
+                        + l4 * right[k + 4, other]
+                    )
+            for other in range(size):
+                data[place[position + other]] += row[other]
+            position += size
     return values, gradients
 
 

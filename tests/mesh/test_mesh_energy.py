@@ -61,6 +61,39 @@ def test_gradients_and_hessian_are_exact_derivatives(kind, make):
     assert abs(hessian - hessian.T).max() < 1e-12 * abs(hessian).max()
 
 
+def summed(functional, vertices, c0):
+    """Energy, area and volume of a subdivision surface at complex vertices, from the formulas for whole arrays."""
+    patches = functional.quadrature
+    X = vertices[patches.index]
+    jets = [np.add.reduceat(w[:, None] * X, patches.start[:-1]) for w in patches.weights]
+    for jet, moved in zip(jets, patches.offsets, strict=True):
+        jet[:, 0] += moved
+    x, a, b, p, q, r = jets
+    E, F, G, c = (a * a).sum(1), (a * b).sum(1), (b * b).sum(1), np.cross(a, b)
+    root = np.sqrt(E * G - F * F)
+    H = -((G[:, None] * p - 2 * F[:, None] * q + E[:, None] * r) * c).sum(1) / (2 * root**3)
+    return patches.weight * np.array([((H - c0) ** 2 * root).sum(), root.sum(), (x[:, 1:] * c[:, 1:]).sum() / 2])
+
+
+@pytest.mark.parametrize("make", [rough, irregular])
+def test_derivatives_of_subdivision_surfaces_to_all_digits(make):
+    """Values, first and second derivatives along a line are Taylor coefficients: Cauchy's integrals on a circle about it."""
+    mesh, directions = make()
+    functional, c0, weights = Functional(mesh), 0.3, np.array([1, 0.7, -0.4])
+    hessian, sums = functional.hessian(mesh.vertices, directions, c0, *weights[1:])
+    rng = np.random.default_rng(1)
+    for _ in range(3):
+        step = rng.standard_normal(mesh.count)
+        radius, angles = 0.01, 2 * np.pi * np.arange(32) / 32
+        circle = [
+            summed(functional, mesh.vertices + z * step[:, None] * directions, c0) for z in radius * np.exp(1j * angles)
+        ]
+        coefficients = np.fft.fft(circle, axis=0)[:3].real / len(angles) / radius ** np.arange(3)[:, None]
+        np.testing.assert_allclose(sums.values, coefficients[0], rtol=1e-12)
+        np.testing.assert_allclose(sums.gradients @ step, coefficients[1], rtol=1e-12, atol=1e-12)
+        assert step @ hessian @ step == pytest.approx(2 * weights @ coefficients[2], rel=1e-12)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_rigid_motions_and_scaling(kind):
     """Translations and the rotation about the axis change nothing; a scaled tube has the same bending energy at c0 = 0."""
