@@ -9,30 +9,13 @@ singular. Inertia adds up over the elimination (E. V. Haynsworth, Linear Algebra
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from pearlbvp.arrays import Array, Integers
+from pearlbvp.factorization import Factors, factorized
 from pearlbvp.representation import brief
-
-
-def factorized(matrix: sparse.csc_matrix) -> Any:
-    """SuperLU's factors of a sparse matrix of symmetric pattern, pivots on the diagonal.
-
-    relax=1 keeps SuperLU from padding its columns, which costs it five times as long on these matrices.
-
-    Raises:
-        numpy.linalg.LinAlgError: it is singular, or not finite.
-    """
-    if not np.isfinite(matrix.data).all():
-        raise np.linalg.LinAlgError("a matrix that is not finite")
-    try:
-        return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, relax=1, options={"SymmetricMode": True})
-    except RuntimeError as error:
-        raise np.linalg.LinAlgError(str(error)) from None
 
 
 def spread(points: Array, count: int) -> Integers:
@@ -53,7 +36,7 @@ class Pinned:
         matrix: shape (V, V).
         pins: rows and columns that join the borders, shape (P,).
         free: the others.
-        factors: those of the matrix at ``free``, pivots on the diagonal.
+        factors: those of the matrix at ``free``.
     """
 
     __repr__ = brief
@@ -61,7 +44,7 @@ class Pinned:
     matrix: sparse.csc_matrix
     pins: Integers
     free: Integers
-    factors: Any
+    factors: Factors
 
     @classmethod
     def of(cls, matrix: sparse.csc_matrix, pins: Integers) -> Pinned:
@@ -71,15 +54,12 @@ class Pinned:
             numpy.linalg.LinAlgError: the pinned matrix is singular, or not finite.
         """
         free = np.setdiff1d(np.arange(matrix.shape[0]), pins)
-        # No pivoting: an LDL^T of a matrix with few negative eigenvalues.
         factors = factorized(matrix[free][:, free].tocsc() if len(pins) else matrix)
         return cls(matrix, pins, free, factors)
 
     def _eliminated(self, borders: Array) -> Array:
         """``K_ff^{-1} (K_fp, borders_f)``, shape (F, P + s)."""
-        return np.asarray(
-            self.factors.solve(np.column_stack((self.matrix[:, self.pins].toarray()[self.free], borders[self.free])))
-        )
+        return self.factors.solve(np.column_stack((self.matrix[:, self.pins].toarray()[self.free], borders[self.free])))
 
     def bordered(self, columns: Array, rows: Array, corner: Array) -> Bordered:
         """The matrix ``(K, columns; rows, corner)``; shapes (V, q), (q, V), (q, q).
@@ -100,10 +80,8 @@ class Pinned:
         """Negative eigenvalues of the matrix on the vectors that all ``rows``, shape (q, V) and independent, annihilate.
 
         Raises:
-            numpy.linalg.LinAlgError: the factorization had to leave the diagonal, so that its signs do not count.
+            numpy.linalg.LinAlgError: the factors do not tell.
         """
-        if not np.array_equal(self.factors.perm_r, self.factors.perm_c):
-            raise np.linalg.LinAlgError("a pivot vanished, and the inertia is unknown")
         borders = self._eliminated(rows.T)
         lower = np.vstack((self.matrix[self.pins].toarray(), rows))
         count = len(self.pins)
@@ -111,8 +89,7 @@ class Pinned:
         schur[:count, :count] += self.matrix[self.pins][:, self.pins].toarray()
         schur[count:, :count] += rows[:, self.pins]
         schur[:count, count:] += rows[:, self.pins].T
-        of_free = int((self.factors.U.diagonal() < 0).sum())
-        return of_free + int((np.linalg.eigvalsh((schur + schur.T) / 2) < 0).sum()) - len(rows)
+        return self.factors.negative + int((np.linalg.eigvalsh((schur + schur.T) / 2) < 0).sum()) - len(rows)
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from pearlbvp.arrays import Array
-from pearlbvp.bordered import factorized
 from pearlbvp.errors import InputError
+from pearlbvp.factorization import factorized
 from pearlbvp.flows.problem import Law, Trouble, check_law
 from pearlbvp.helfrich import Fixed
 from pearlbvp.mesh.functional import Functional, Kind, Sums

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from pearlbvp.bordered import factorized
 from pearlbvp.errors import InputError
+from pearlbvp.factorization import factorized
 from pearlbvp.mesh.edits import apart, collapsed, flipped, may_collapse, split
 from pearlbvp.mesh.functional import Functional
 from pearlbvp.mesh.operators import cotangents, vertex_normals

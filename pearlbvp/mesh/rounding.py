@@ -13,7 +13,7 @@ import numpy as np
 from scipy import sparse
 
 from pearlbvp.arrays import Array
-from pearlbvp.bordered import factorized
+from pearlbvp.factorization import factorized
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.rounding import NEGLIGIBLE, deviation
 
