@@ -29,7 +29,7 @@ from pearlbvp.mesh.operators import vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.sections import distances, radii
-from pearlbvp.mesh.spectrum import independent
+from pearlbvp.mesh.spectrum import independent, smoothing
 from pearlbvp.representation import brief
 from pearlbvp.units import Sentence
 
@@ -205,7 +205,7 @@ class MeshFlow:
         r, vertices = self.reference, self.vertices(q)
         second = self._second(q, multipliers)
         mass, motions = r.functional.normal_mass(vertices, r.directions)
-        return np.ascontiguousarray(independent(motions, second, mass, r.pins)[1].T)
+        return np.ascontiguousarray(independent(motions, smoothing(second, mass, r.pins), mass)[1].T)
 
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Largest growth rates of all displacements of the vertices; see ``MeshProblem.modes``."""

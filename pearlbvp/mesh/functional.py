@@ -79,16 +79,18 @@ class Stencils:
         """Where each pair of each group goes among the Hessian's nonzeros; its row indices and column starts."""
         start, index = self.groups
         sizes = np.diff(start)
-        keys = np.empty(int((sizes**2).sum()), dtype=np.int64)
+        members = sparse.csr_matrix((np.ones(len(index), dtype=np.int64), index, start), (len(sizes), self.mesh.count))
+        together = (members.T @ members).tocsc()
+        together.sort_indices()
+        together.data = np.arange(together.nnz)
+        place = np.empty(int((sizes**2).sum()), dtype=np.int64)
         places = np.concatenate(([0], np.cumsum(sizes**2)))
         for size in np.unique(sizes):
             chosen = np.flatnonzero(sizes == size)
-            members = index[start[chosen][:, None] + np.arange(size)]
-            pairs = members[:, :, None] + self.mesh.count * members[:, None, :]
-            keys[places[chosen][:, None] + np.arange(size**2)] = pairs.reshape(len(chosen), -1)
-        known, place = np.unique(keys, return_inverse=True)
-        columns = np.searchsorted(known // self.mesh.count, np.arange(self.mesh.count + 1))
-        return place.astype(np.int64).ravel(), known % self.mesh.count, columns
+            group = index[start[chosen][:, None] + np.arange(size)]
+            found = together[np.repeat(group, size, axis=1).ravel(), np.tile(group, size).ravel()]
+            place[places[chosen][:, None] + np.arange(size**2)] = found.reshape(len(chosen), -1)
+        return place, together.indices, together.indptr
 
     @cached_property
     def limit(self) -> tuple[sparse.csr_matrix, Array]:

@@ -42,7 +42,7 @@ from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.sections import radii
-from pearlbvp.mesh.spectrum import NEUTRAL, MeshBlock, Modes, independent, leading
+from pearlbvp.mesh.spectrum import NEUTRAL, MeshBlock, Modes, independent, leading, smoothing
 from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.mesh.symmetry import mean, orbits
 from pearlbvp.newton import NewtonOptions
@@ -210,8 +210,9 @@ class MeshProblem(MembraneProblem):
         mass, motions = self.functional.normal_mass(vertices, self.directions)
         kept = sums.gradients[1:] if self.fixed == "area and volume" else sums.gradients[1:2]
         unit = kept / np.linalg.norm(kept, axis=1)[:, None] * np.linalg.norm(motions[1])
-        constraints, _ = independent(unit, second, mass, self.pins)
-        rigid, moved = independent(motions, second, mass, self.pins)
+        smoothed = smoothing(second, mass, self.pins)
+        constraints, _ = independent(unit, smoothed, mass)
+        rigid, moved = independent(motions, smoothed, mass)
         modes = leading(second, mass, np.vstack((constraints, rigid)), self.pins, counts, self.orbits)
         return replace(modes, residual=float(np.abs(np.linalg.eigvalsh(moved.T @ (second @ moved))).max()))
 
@@ -227,9 +228,8 @@ class MeshProblem(MembraneProblem):
     def spectrum(self, u: Array) -> Spectrum:
         """The leading growth rates, and whether all positive ones are among them."""
         modes = self.block_modes(u, dict.fromkeys(self._blocks, RATES))
-        return Spectrum(
-            modes.rates, modes.residual, NEUTRAL, modes.complete
-        )  # the mesh moves neutral rates by far more
+        # The mesh moves neutral rates by far more.
+        return Spectrum(modes.rates, modes.residual, NEUTRAL, modes.complete)
 
     def block_rates(self, u: Array, block: MeshBlock, like: Spectrum) -> Array:
         """The leading growth rates of a block, largest first."""
@@ -374,7 +374,7 @@ def phase_rows(problem: MeshProblem, u: Array) -> Array:
     vertices, directions = problem.vertices(u), problem.directions
     second, _ = problem.functional.hessian(vertices, directions, problem.c0, u[-3], u[-2])
     mass, motions = problem.functional.normal_mass(vertices, directions)
-    return independent(motions, second, mass, problem.pins)[0]
+    return independent(motions, smoothing(second, mass, problem.pins), mass)[0]
 
 
 def about(functional: Functional, c0: float, parameters: Array, **others: Any) -> tuple[MeshProblem, Array]:

@@ -50,7 +50,13 @@ class MeshBlock(NamedTuple):
         return self.name
 
 
-def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix, pins: Integers) -> tuple[Array, Array]:
+def smoothing(second: sparse.csc_matrix, mass: sparse.csc_matrix, pins: Integers) -> Bordered:
+    """``second + SMOOTH mass`` of a second variation, factorized for ``independent``; ``pins`` are held on the way."""
+    none = np.zeros((0, second.shape[0]))
+    return Pinned.of((second + SMOOTH * mass).tocsc(), pins).bordered(none.T, none, np.zeros((0, 0)))
+
+
+def independent(rows: Array, smoothed: Bordered, mass: sparse.csc_matrix) -> tuple[Array, Array]:
     """Combinations of rows that stand for smooth displacements, unit ones, without those that are none; and these.
 
     On the straight tube a shift along it moves no point along the normal, and on a mesh all but none; what remains is
@@ -59,15 +65,12 @@ def independent(rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix,
 
     Args:
         rows: products of displacements with the mass, shape (q, V).
-        second: second variation, shape (V, V).
+        smoothed: see ``smoothing``.
         mass: of normal displacements, shape (V, V).
-        pins: vertices for the factorization.
 
     Returns:
         The rows, shape (rank, V), and the smoothed displacements, orthonormal in the mass, shape (V, rank).
     """
-    none = np.zeros((0, second.shape[0]))
-    smoothed = Pinned.of((second + SMOOTH * mass).tocsc(), pins).bordered(none.T, none, np.zeros((0, 0)))
     motions = SMOOTH * smoothed.solve(np.ascontiguousarray(rows.T), np.zeros((0, len(rows))), 0)
     squares, vectors = np.linalg.eigh(motions.T @ (mass @ motions))
     kept = squares > NOTHING * mass.sum()

@@ -1,6 +1,7 @@
 """Discrete energy, area and volume: derivatives, dispersion of the straight tube, orders of convergence on mesh families."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -212,3 +213,19 @@ def test_pinned_elimination_with_borders():
     negative = int((np.linalg.eigvalsh(allowed.T @ dense @ allowed) < 0).sum())
     assert negative > 0
     assert pinned.negative(rows) == negative
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_pair_of_a_term_has_its_place_in_the_hessian(kind):
+    stencils = Functional(irregular()[0], kind).stencils
+    place, rows, columns = stencils.pattern
+    start, index = stencils.groups
+    assert len(np.unique(np.diff(start))) > 1
+    column, at = np.repeat(np.arange(stencils.mesh.count), np.diff(columns)), 0
+    for low, high in pairwise(start):
+        group = index[low:high]
+        pairs = place[at : at + len(group) ** 2].reshape(len(group), -1)
+        assert np.array_equal(np.broadcast_to(group[:, None], pairs.shape), rows[pairs])
+        assert np.array_equal(np.broadcast_to(group, pairs.shape), column[pairs])
+        at += len(group) ** 2
+    assert at == len(place)
