@@ -63,6 +63,36 @@ def mesh_flow(
 
 
 @dataclass(frozen=True, eq=False)
+class _Shape:
+    """What is computed of a shape when it is first asked for."""
+
+    reference: MeshProblem
+    q: Array
+
+    @cached_property
+    def sums(self) -> Sums:
+        """Energy, area and volume with their gradients."""
+        r = self.reference
+        return r.functional.sums(r.vertices(self.q), r.directions, r.c0)
+
+    @cached_property
+    def mass(self) -> sparse.csc_matrix:
+        """Mean products of normal displacements."""
+        r = self.reference
+        return r.functional.normal_mass(r.vertices(self.q), r.directions)[0]
+
+    @cached_property
+    def surface(self) -> PeriodicMesh:
+        """The mesh with its vertices on the surface."""
+        return self.reference.surface(self.q)
+
+    @cached_property
+    def normals(self) -> Array:
+        """Of the surface at its vertices, shape (V, 3)."""
+        return vertex_normals(self.surface)
+
+
+@dataclass(frozen=True, eq=False)
 class MeshFlow:
     """Triangulated tubes near a reference; ``q`` holds the displacements of its ``V`` vertices.
 
@@ -105,20 +135,22 @@ class MeshFlow:
 
     def mesh(self, q: Array) -> PeriodicMesh:
         """The surface as a mesh with its vertices on it, to draw, to write, to go on from."""
-        return self.reference.surface(q)
+        return self._at(q).surface
 
     @cached_property
-    def _last(self) -> dict[bytes, Sums]:
-        """The sums at the last shape that was asked for: each step asks several times."""
+    def _last(self) -> dict[bytes, _Shape]:
+        """The last shape that was asked for: each step asks several times."""
         return {}
 
-    def _sums(self, q: Array) -> Sums:
+    def _at(self, q: Array) -> _Shape:
         key = q.tobytes()
         if key not in self._last:
             self._last.clear()
-            r = self.reference
-            self._last[key] = r.functional.sums(self.vertices(q), r.directions, r.c0)
+            self._last[key] = _Shape(self.reference, q.copy())
         return self._last[key]
+
+    def _sums(self, q: Array) -> Sums:
+        return self._at(q).sums
 
     def _unknown(self, q: Array, multipliers: Array) -> Array:
         """As ``MeshProblem`` has it; the volume is not used."""
@@ -135,10 +167,12 @@ class MeshFlow:
             return np.full_like(q, np.nan)
         by_energy, by_area, by_volume = self._sums(q).gradients
         force = by_energy + multipliers[0] * by_area + self._lambda2(multipliers) * by_volume
-        return np.asarray((force + self._mass(q) @ rate) / self.unit)
+        return (
+            force + self.reference.functional.mass_times(self.vertices(q), self.reference.directions, rate)
+        ) / self.unit
 
     def _mass(self, q: Array) -> sparse.csc_matrix:
-        return self.reference.functional.normal_mass(self.vertices(q), self.reference.directions)[0]
+        return self._at(q).mass
 
     def metric(self, q: Array) -> sparse.csc_matrix:
         """``M``: mean products of normal displacements."""
@@ -172,7 +206,7 @@ class MeshFlow:
 
     def _lifting(self, q: Array) -> sparse.csc_matrix:
         """Normal displacements of the surface at its vertices, by displacements of the vertices, shape (V, V)."""
-        normals, directions = vertex_normals(self.mesh(q)), self.reference.directions
+        normals, directions = self._at(q).normals, self.reference.directions
         matrix = self.reference.functional.point_matrix
         return sum(sparse.diags(normals[:, x]) @ matrix @ sparse.diags(directions[:, x]) for x in range(3)).tocsc()
 
@@ -182,7 +216,8 @@ class MeshFlow:
 
     def velocity(self, q: Array, rate: Array) -> Array:
         """Outward normal velocity of the surface at its vertices."""
-        return np.asarray(self._lifting(q) @ rate)
+        moves = self.reference.functional.point_matrix @ (rate[:, None] * self.reference.directions)
+        return np.einsum("ix,ix->i", self._at(q).normals, moves)
 
     def places(self, q: Array) -> tuple[Array, Array]:
         """``x`` of the vertices, and their polar angles about the axis."""

@@ -213,13 +213,25 @@ class Functional:
             p = self.stencils.patches
             place, rows, _ = self.stencils.pattern
             data = np.zeros(len(rows))
-            motions = limit_mass(vertices, directions, p.start, p.index, p.weights, p.offsets, p.weight, place, data)
-            return self._matrix(data), motions
+            still = np.zeros(self.mesh.count)
+            motions = limit_mass(
+                vertices, directions, p.start, p.index, p.weights, p.offsets, p.weight, still, place, data
+            )
+            return self._matrix(data), motions[:4]
         normals = volume_gradient(self.mesh.moved(vertices))
         mass = barycentric_mass(self.mesh.moved(vertices))
         moved = np.einsum("ix,ix->i", normals, directions) / mass
         turn = vertices[:, 1] * normals[:, 2] - vertices[:, 2] * normals[:, 1]
         return sparse.diags(mass * moved**2, format="csc"), np.vstack((normals.T, turn)) * moved
+
+    def mass_times(self, vertices: Array, directions: Array, rate: Array) -> Array:
+        """The mass matrix times a displacement, both of shape (V,), without the matrix."""
+        if self.kind == "cotangent":
+            return np.asarray(self.normal_mass(vertices, directions)[0] @ rate)
+        p, none = self.stencils.patches, np.zeros(0, dtype=np.int64)
+        return limit_mass(
+            vertices, directions, p.start, p.index, p.weights, p.offsets, p.weight, rate, none, np.zeros(0)
+        )[4]
 
     @property
     def point_matrix(self) -> sparse.csr_matrix:

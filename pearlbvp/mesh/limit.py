@@ -195,16 +195,16 @@ def limit_sums(X, directions, start, index, weights, offsets, weight, c0, lambda
 
 
 @compiled
-def limit_mass(X, directions, start, index, weights, offsets, weight, place, data):  # type: ignore[no-untyped-def]
-    """Mean square of the normal displacement, into ``data``, and the part of rigid motions in it.
+def limit_mass(X, directions, start, index, weights, offsets, weight, rate, place, data):  # type: ignore[no-untyped-def]
+    """Mean square of the normal displacement, where ``place`` is not empty into ``data``, and the part of motions in it.
 
-    Arguments as in ``limit_sums``.
+    Arguments as in ``limit_sums``, and a displacement ``rate`` along the directions, shape (V,).
 
     Returns:
-        ``integral of <t, n> <N_j, n> B_j dS`` for the translations along ``x, y, z`` and the rotation about ``x`` as ``t``,
-        shape (4, V).
+        ``integral of <t, n> <N_j, n> B_j dS`` for the translations along ``x, y, z``, the rotation about ``x`` and the
+        displacement as ``t``, shape (5, V).
     """
-    rows = np.zeros((4, X.shape[0]))
+    rows = np.zeros((5, X.shape[0]))
     z = np.empty((3, 3))
     most = 0
     for point in range(start.size - 1):
@@ -221,14 +221,19 @@ def limit_mass(X, directions, start, index, weights, offsets, weight, place, dat
                     z[k, x] += weights[k, low + term] * X[j, x]
         c = _cross(z[1], z[2])
         root = np.sqrt(_dot(c, c))
-        turn = (z[0, 1] * c[2] - z[0, 2] * c[1]) / root
+        turn, moved = z[0, 1] * c[2] - z[0, 2] * c[1], 0.0
         for term in range(size):
             j = index[low + term]
             normal[term] = weights[0, low + term] * _dot(directions[j], c) / root
-            share = weight * normal[term]
+            moved += normal[term] * rate[j]
+        for term in range(size):
+            j, share = index[low + term], weight * normal[term]
             for x in range(3):
                 rows[x, j] += share * c[x]
-            rows[3, j] += share * root * turn
+            rows[3, j] += share * turn
+            rows[4, j] += share * root * moved
+        if place.size == 0:
+            continue
         for term in range(size):
             for other in range(size):
                 data[place[position]] += weight * root * normal[term] * normal[other]

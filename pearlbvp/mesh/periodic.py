@@ -204,7 +204,7 @@ class PeriodicMesh:
     @cached_property
     def edge_lengths(self) -> Array:
         """Lengths of the edges from corner 0 to 1, 1 to 2 and 2 to 0 of each triangle, shape (T, 3)."""
-        return np.linalg.norm(self.edge_vectors, axis=1).reshape(-1, 3)
+        return np.sqrt(np.einsum("ix,ix->i", self.edge_vectors, self.edge_vectors)).reshape(-1, 3)
 
     @cached_property
     def area_vectors(self) -> Array:
@@ -215,14 +215,15 @@ class PeriodicMesh:
     @cached_property
     def areas(self) -> Array:
         """Areas of the triangles, shape (T,)."""
-        return np.linalg.norm(self.area_vectors, axis=1)
+        return np.sqrt(np.einsum("ix,ix->i", self.area_vectors, self.area_vectors))
 
     @cached_property
     def quality(self) -> Array:
         """``e_M (e_1 + e_2 + e_3)/(2 |T|)`` of each triangle (paper, eq. (mq)), shape (T,); the best is ``2 sqrt(3)``."""
-        edges = self.edge_lengths
+        one, two, three = self.edge_lengths.T  # by columns: sums along short rows take ten times as long
         with np.errstate(divide="ignore"):
-            return np.asarray(edges.max(axis=1) * edges.sum(axis=1) / (2 * self.areas))
+            longest = np.maximum(np.maximum(one, two), three)
+            return np.asarray(longest * (one + two + three) / (2 * self.areas))
 
     @property
     def area(self) -> float:
@@ -232,7 +233,7 @@ class PeriodicMesh:
     @property
     def volume(self) -> float:
         """Volume inside one period: the flux of ``(0, y, z)/2``, which no end disc sees. Exact for the polyhedron."""
-        return float((self.corners.mean(axis=1)[:, 1:] * self.area_vectors[:, 1:]).sum() / 2)
+        return float(np.einsum("tax,tx->", self.corners[..., 1:], self.area_vectors[:, 1:]) / 6)
 
     def moved(self, vertices: Array) -> PeriodicMesh:
         """The same triangles on other vertices, checked for slivers and orientation only."""

@@ -91,10 +91,9 @@ def distances(mesh: PeriodicMesh) -> Array:
     """Distance of each vertex from the centre of its section, shape (V,)."""
     first = 1e-9 * mesh.length  # not through the rows of a structured mesh
     known = centres(mesh, first + np.arange(PLANES) / PLANES * mesh.length)
-    waves = np.exp(2j * np.pi * np.outer((mesh.vertices[:, 0] - first) / mesh.length, np.arange(PLANES // 2)))
     coefficients = np.fft.rfft(known, axis=0)[: PLANES // 2] / PLANES
     coefficients[1:] *= 2
-    return np.linalg.norm(mesh.vertices[:, 1:] - (waves @ coefficients).real, axis=1)
+    return np.sqrt(_squares(mesh.vertices - [first, 0.0, 0.0], coefficients, 2 * math.pi / mesh.length))
 
 
 def radii(functional: Functional, vertices: Array) -> tuple[float, float]:

@@ -229,3 +229,15 @@ def test_each_pair_of_a_term_has_its_place_in_the_hessian(kind):
         assert np.array_equal(np.broadcast_to(group, pairs.shape), column[pairs])
         at += len(group) ** 2
     assert at == len(place)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_mass_times_a_displacement_is_that_of_the_matrix(kind):
+    mesh, directions = irregular()
+    functional = Functional(mesh, kind)
+    rate = np.random.default_rng(2).standard_normal(mesh.count)
+    mass, _ = functional.normal_mass(mesh.vertices, directions)
+    expected = mass @ rate
+    assert (
+        np.abs(functional.mass_times(mesh.vertices, directions, rate) - expected).max() < 1e-13 * np.abs(expected).max()
+    )
