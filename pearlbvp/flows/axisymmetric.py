@@ -28,6 +28,7 @@ import numpy as np
 from pearlbvp.arrays import Array
 from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
+from pearlbvp.flows.last import Last
 from pearlbvp.flows.problem import Law, Trouble, check_law
 from pearlbvp.flows.spectrum import growth_rates
 from pearlbvp.representation import brief
@@ -152,7 +153,11 @@ class GraphFlow:
     def _fields(self, q: Array) -> tuple[Array, Array, Array]:
         return q, self.d1 @ q, self.d2 @ q
 
-    def _variations(self, q: Array) -> tuple[Array, Array, Array]:
+    @cached_property
+    def _variations(self) -> Last[tuple[Array, Array, Array]]:
+        return Last(self._varied)
+
+    def _varied(self, q: Array) -> tuple[Array, Array, Array]:
         """Energy and area (2,), their variations by ``y`` (2, N), and ``p`` (N,)."""
         values, slopes = gradients(*self._fields(q), self.c0)
         variations = slopes[:, 0] + slopes[:, 1] @ self.d1
@@ -214,11 +219,11 @@ class GraphFlow:
         return np.column_stack((by_area, np.ones(self.points)))
 
     def _p(self, q: Array) -> Array:
-        return np.sqrt(2 * q + (self.d1 @ q) ** 2)
+        return self._variations(q)[2]
 
     def constraints(self, q: Array) -> Array:
         """Area, or area and volume, of the straight tube's area."""
-        area = self._p(q).mean()
+        area = self._variations(q)[0][1]
         return np.array([area, q.mean()]) if self.law == "area and volume" else np.array([area])
 
     def constraint_rows(self, q: Array) -> Array:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from scipy.sparse.linalg import splu
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.factorization import factorized
+from pearlbvp.flows.last import Last
 from pearlbvp.flows.problem import Law, Trouble, check_law
 from pearlbvp.helfrich import Fixed
 from pearlbvp.mesh.functional import Functional, Kind, Sums
@@ -138,16 +139,8 @@ class MeshFlow:
         return self._at(q).surface
 
     @cached_property
-    def _last(self) -> dict[bytes, _Shape]:
-        """The last shape that was asked for: each step asks several times."""
-        return {}
-
-    def _at(self, q: Array) -> _Shape:
-        key = q.tobytes()
-        if key not in self._last:
-            self._last.clear()
-            self._last[key] = _Shape(self.reference, q.copy())
-        return self._last[key]
+    def _at(self) -> Last[_Shape]:
+        return Last(partial(_Shape, self.reference))
 
     def _sums(self, q: Array) -> Sums:
         return self._at(q).sums
