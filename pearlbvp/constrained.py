@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import get_lapack_funcs
 
 from pearlbvp.arrays import Array
 
@@ -41,6 +42,38 @@ def restricted(rows: Sequence[NDArray[Any]], *matrices: NDArray[Any]) -> list[ND
             product -= (reflector.conj() @ product) * reflector
             matrix -= np.column_stack((reflector, product)) @ np.vstack((2 * product.conj(), 2 * reflector.conj()))
     return [matrix[len(reflectors) :, len(reflectors) :] for matrix in found]
+
+
+def leading_eigenvalues(matrix: NDArray[Any], rows: Sequence[NDArray[Any]] = ()) -> Array:
+    """Eigenvalues of a Hermitian matrix on the vectors that all rows annihilate, largest first, as far as they are known.
+
+    Where entries are of very different sizes, as on a thin neck beside a belly, the rounding of the largest would drown the
+    eigenvalues near zero. The Cholesky factor of ``shift - matrix``, which scaling does not touch, keeps them, so that
+    they are known from the inverse's, ``shift - 1/nu`` (J. Demmel, K. Veselic, SIAM J. Matrix Anal. Appl. 13 (1992) 1204).
+
+    Raises:
+        LinAlgError: the matrix has entries that are no numbers.
+    """
+    potrf, potri = get_lapack_funcs(("potrf", "potri"), (matrix,))
+    unit, shift, most = np.eye(len(matrix)), 1.0, 8 * float(np.linalg.norm(matrix))
+    factor, indefinite = potrf(shift * unit - matrix, lower=True)
+    while indefinite and shift < most:
+        shift *= 4
+        factor, indefinite = potrf(shift * unit - matrix, lower=True)
+    if indefinite or not np.isfinite(most):
+        raise np.linalg.LinAlgError("the matrix has entries that are no numbers")
+    inverse, _ = potri(factor, lower=True)  # its lower half
+    kept = independent_directions(rows, len(matrix))
+    if kept.size:
+        inverse = np.tril(inverse) + np.tril(inverse, -1).conj().T
+        taken = inverse @ kept
+        inverse -= taken @ np.linalg.solve(kept.conj().T @ taken, taken.conj().T)
+    nu = np.linalg.eigvalsh(inverse)[: kept.shape[1] - len(matrix) - 1 : -1]
+    return np.asarray(shift - 1 / nu[nu > KNOWN * nu[0]])
+
+
+KNOWN = 1e-14
+"""Eigenvalues of an inverse, by the largest, that its rounding leaves."""
 
 
 def lifted(rows: Sequence[NDArray[Any]], vectors: Array) -> Array:

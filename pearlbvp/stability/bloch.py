@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
-from pearlbvp.constrained import restricted
+from pearlbvp.constrained import leading_eigenvalues
 from pearlbvp.helfrich import Fixed
 from pearlbvp.representation import brief
 from pearlbvp.stability.isothermal import Isothermal
@@ -198,9 +198,8 @@ class SecondVariation:
         Only ``n = 0, theta = 0`` (and not odd) is affected by what is ``fixed``.
         """
         matrix = self.matrix(n, theta, parity)
-        if n == 0 and theta == 0 and parity != "odd":
-            (matrix,) = restricted(self.constraints(len(matrix), fixed), matrix)
-        return np.asarray(np.linalg.eigvalsh(matrix)[::-1])
+        constrained = n == 0 and theta == 0 and parity != "odd"
+        return leading_eigenvalues(matrix, self.constraints(len(matrix), fixed) if constrained else [])
 
 
 def _hermitian(matrix: NDArray[Any]) -> NDArray[Any]:

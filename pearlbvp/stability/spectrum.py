@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
-from pearlbvp.constrained import restricted
+from pearlbvp.constrained import leading_eigenvalues
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Fixed
@@ -95,11 +95,10 @@ def block_rates(
     kernels = [] if kernel is None else [kernel]
     constrained = block.n == 0 and block.j == 0 and block.parity != "odd"
     constraints = variation.constraints(len(matrix), fixed) if constrained else []
-    (inside,) = restricted([*kernels, *constraints], matrix)
-    rates = np.asarray(np.linalg.eigvalsh(inside)[::-1])
+    rates = leading_eigenvalues(matrix, [*kernels, *constraints])
     if kernel is None:
         return rates, 0.0
-    largest = float(np.linalg.eigvalsh(matrix)[-1] if constraints else rates[0])
+    largest = float(leading_eigenvalues(matrix)[0] if constraints else rates[0])
     return rates, kernel_residual(matrix, kernel, largest)
 
 
