@@ -1,8 +1,8 @@
 """pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability.
 
 An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``flow``,
-``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``scan``; ``Units`` for physical tubes;
-``solve_bvp`` and ``continue_bvp`` for one's own equations. Each name is imported when it is first asked for.
+``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``equilibria``, ``scan``; ``Units`` for
+physical tubes; ``solve_bvp`` and ``continue_bvp`` for one's own equations. Each name is imported when it is first asked for.
 """
 
 import os
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pearlbvp.front import amplitude, branch, diagram, dispersion, flow, load
     from pearlbvp.helfrich import Tube
     from pearlbvp.scans.scan import scan
+    from pearlbvp.studies.equilibria import equilibria
     from pearlbvp.studies.families import register
     from pearlbvp.studies.growth import growth
     from pearlbvp.studies.localized import localized_pearls
@@ -40,6 +41,7 @@ _HOMES = {
     "continue_bvp": "bvp:continue_bvp",
     "diagram": "front:diagram",
     "dispersion": "front:dispersion",
+    "equilibria": "studies.equilibria:equilibria",
     "flow": "front:flow",
     "growth": "studies.growth:growth",
     "load": "front:load",
@@ -62,6 +64,7 @@ __all__ = [
     "continue_bvp",
     "diagram",
     "dispersion",
+    "equilibria",
     "flow",
     "growth",
     "load",

@@ -20,6 +20,7 @@ from pearlbvp.commands.amplitude import amplitude, amplitude_map
 from pearlbvp.commands.branch import branch
 from pearlbvp.commands.diagram import diagram
 from pearlbvp.commands.dispersion import dispersion
+from pearlbvp.commands.equilibria import equilibria
 from pearlbvp.commands.flow import flow
 from pearlbvp.commands.growth import growth
 from pearlbvp.commands.localized import localized
@@ -46,7 +47,7 @@ def cli() -> None:
 
 
 for command in (
-    dispersion, growth, amplitude, amplitude_map, localized, period, region,
+    dispersion, growth, amplitude, amplitude_map, localized, period, region, equilibria,
     branch, resume, switch, vary, follow, show, diagram, flow, mesh, scan,
 ):  # fmt: skip
     cli.add_command(command)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
@@ -99,7 +99,7 @@ class PearlProblem(MembraneProblem):
         """States ``r, psi, h, w`` and parameters with ``lambda1, lambda2``, whatever the chart."""
         return large_multipliers.to_multipliers(values, parameters) if self.in_large_chart else (values, parameters)
 
-    def change_chart(self, large: bool, u: Array, *tangents: Array) -> tuple[PearlProblem, list[Array]]:
+    def change_chart(self, large: bool, u: Array, *tangents: Array) -> tuple[Self, list[Array]]:
         """A half-cell solution, and tangents of it, in the one chart or the other."""
         if large == self.in_large_chart:
             return self, [u, *tangents]
@@ -157,7 +157,7 @@ class PearlProblem(MembraneProblem):
         }
         return with_force(observed)
 
-    def remesh(self, u: Array, *others: Array) -> tuple[PearlProblem, list[Array]] | None:
+    def remesh(self, u: Array, *others: Array) -> tuple[Self, list[Array]] | None:
         """The problem on a mesh fitted to ``u`` and in the chart that suits it, with tangents moved there.
 
         None if mesh and chart will do.
@@ -243,11 +243,11 @@ class PearlProblem(MembraneProblem):
         radii = self.discretization.values(u)[:, 0]
         return float(radii[0] - radii[-1 if self.half else len(radii) // 2])
 
-    def plain(self, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
+    def plain(self, *vectors: Array) -> tuple[Self, list[Array]]:
         """In the chart of the multipliers themselves."""
         return self.change_chart(False, *vectors)
 
-    def freeing(self, u: Array, *free: str) -> tuple[PearlProblem, Array]:
+    def freeing(self, u: Array, *free: str) -> tuple[Self, Array]:
         """The same solution with other parameters free: to vary ``c0`` at fixed ``v``, say.
 
         Args:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 import pandas as pd
@@ -21,6 +20,7 @@ from pearlbvp.progress import progress as progress_bar
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.pearling import pearling_onset
 from pearlbvp.studies.localized import THINNEST_NECK, PeriodicPearls
+from pearlbvp.studies.parallel import in_processes
 from pearlbvp.theory.dispersion import stable_interval
 
 COLUMNS = ["c0", "L", "pearls", "period", "k", "status", "lambda2_pearl", "lambda2_upper", "upper_mode",
@@ -93,35 +93,15 @@ def _energy_at(tube: Tube, m: int, v: float) -> float | None:
         return None
 
 
-def _row(c0: float, length: float, v: float | None) -> dict[str, object]:
+def _row(case: tuple[float, float, float | None]) -> dict[str, object]:
+    c0, length, v = case
     row = pearl_period(c0, length)
     return row if v is None else row | least_energy(c0, length, v)
 
 
 def scan(cases: list[tuple[float, float, float | None]], processes: int | None = None) -> Iterator[dict[str, object]]:
-    """Rows for cases ``(c0, length, v)``, in order, each as soon as it and those before it are done.
-
-    Args:
-        cases: what to compute.
-        processes: how many to use; by default one a core, or none besides this one for a few cases. Each is kept to
-            one BLAS thread. What is left when one of them is killed, for want of memory say, is done here.
-    """
-    if processes == 1 or (len(cases) < _FEWEST_FOR_PROCESSES and processes is None):
-        for case in cases:
-            yield _row(*case)
-        return
-    from joblib import Parallel, delayed, parallel_config  # a fifth of a second to import, and only scans need it
-
-    done = 0
-    try:
-        with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1):
-            for row in Parallel(return_as="generator", batch_size=4)(delayed(_row)(*case) for case in cases):
-                yield row
-                done += 1
-    except BrokenProcessPool:
-        say(f"a worker process was killed; the other {len(cases) - done} are done in one")
-        for case in cases[done:]:
-            yield _row(*case)
+    """Rows for cases ``(c0, length, v)``, in order, over processes (``studies.parallel``)."""
+    return in_processes(_row, cases, processes, _FEWEST_FOR_PROCESSES)
 
 
 def pearl_periods(

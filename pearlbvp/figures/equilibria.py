@@ -1,0 +1,40 @@
+"""Picture of the pearled equilibria of many tubes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, own_style
+
+
+@own_style()
+def draw_equilibria(table: pd.DataFrame) -> Figure:
+    """Diameters of beads and necks, and spacings, case by case: full where they are stable, beside what was measured.
+
+    Args:
+        table: from ``studies.equilibria.equilibria``.
+    """
+    figure, (top, bottom) = new_figure(2, 1, width=9.0, height=7.0, sharex=True)
+    case = np.arange(1, len(table) + 1)
+    stable = (table["n_unstable"] == 0).fillna(False).to_numpy(bool)
+    for name, colour, label in (("bead[nm]", COLOURS[0], "bead"), ("neck[nm]", COLOURS[1], "neck")):
+        for chosen, face, words in ((stable, colour, "stable"), (~stable, "none", "unstable")):
+            top.plot(case[chosen], table[name][chosen].astype(float), "o", color=colour, markerfacecolor=face,
+                     markersize=4, label=f"{label}, {words}")  # fmt: skip
+    top.plot(case, table["straight[nm]"], "-", color=COLOURS[5], linewidth=0.8, label="straight tube")
+    fits = [(i, float(spacing)) for i, text in zip(case, table["stable_spacings[nm]"].fillna(""), strict=True)
+            for spacing in str(text).split()]  # fmt: skip
+    bottom.plot(*np.array(fits).reshape(-1, 2).T, "o", color=COLOURS[2], markersize=4, label="stable, fits the tube")
+    for axes, name, label in ((top, "measured", "measured"), (bottom, "spacing", "asked for")):
+        for unit, scale in (("nm", 1), ("um", 1e3), ("m", 1e9)):
+            if f"{name}[{unit}]" in table:
+                given = scale * table[f"{name}[{unit}]"]
+                axes.plot(case, given, "x", color=COLOURS[7], markersize=4, label=label)
+    dress(top, "", "diameter (nm)", "pearled equilibria at given tension and osmolarity")
+    dress(bottom, "case", "spacing (nm)")
+    top.set_ylim(bottom=0)
+    add_legend(top, fontsize=7, ncols=3)
+    add_legend(bottom, fontsize=7)
+    return figure

@@ -1,0 +1,40 @@
+"""Many cases over several processes, their rows in order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from typing import TypeVar
+
+from pearlbvp.messages import say
+
+Case = TypeVar("Case")
+Row = TypeVar("Row")
+
+
+def in_processes(
+    function: Callable[[Case], Row], cases: Sequence[Case], processes: int | None, fewest: int
+) -> Iterator[Row]:
+    """What a function makes of each case, in order, each as soon as it and those before it are done.
+
+    Args:
+        function: of a module, so that other processes find it.
+        cases: what to compute.
+        processes: how many to use; by default one a core, or none besides this one for a few cases. Each is kept to
+            one BLAS thread. What is left when one of them is killed, for want of memory say, is done here.
+        fewest: cases below which starting processes costs more than it saves.
+    """
+    if processes == 1 or (len(cases) < fewest and processes is None):
+        yield from map(function, cases)
+        return
+    from joblib import Parallel, delayed, parallel_config  # a fifth of a second to import, and only scans need it
+
+    done = 0
+    try:
+        with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1):
+            for row in Parallel(return_as="generator", batch_size=4)(delayed(function)(case) for case in cases):
+                yield row
+                done += 1
+    except BrokenProcessPool:
+        say(f"a worker process was killed; the other {len(cases) - done} are done in one")
+        yield from map(function, cases[done:])
