@@ -27,9 +27,9 @@ def enter_units(context: click.Context) -> None:
         InputError: an argument that cannot be used.
     """
     params = context.params
-    given = {name: params.pop(name) for name in OPTIONS if name in params}
-    if not given:
+    if "radius" not in params:
         return
+    given = {name: params.pop(name) for name in OPTIONS if name in params}
     if context.get_parameter_source("convention") == click.core.ParameterSource.DEFAULT:
         given["convention"] = None
     units = params["units"] = _units(

@@ -7,6 +7,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, own_style
+from pearlbvp.quantities import read
+from pearlbvp.tables import name_of
 
 
 @own_style()
@@ -28,10 +30,9 @@ def draw_equilibria(table: pd.DataFrame) -> Figure:
             for spacing in str(text).split()]  # fmt: skip
     bottom.plot(*np.array(fits).reshape(-1, 2).T, "o", color=COLOURS[2], markersize=4, label="stable, fits the tube")
     for axes, name, label in ((top, "measured", "measured"), (bottom, "spacing", "asked for")):
-        for unit, scale in (("nm", 1), ("um", 1e3), ("m", 1e9)):
-            if f"{name}[{unit}]" in table:
-                given = scale * table[f"{name}[{unit}]"]
-                axes.plot(case, given, "x", color=COLOURS[7], markersize=4, label=label)
+        for heading in (column for column in map(str, table) if name_of(column) == name):
+            nm = 1e9 * read(heading, f"1{heading.partition('[')[2].removesuffix(']')}").value
+            axes.plot(case, nm * table[heading], "x", color=COLOURS[7], markersize=4, label=label)
     dress(top, "", "diameter (nm)", "pearled equilibria at given tension and osmolarity")
     dress(bottom, "case", "spacing (nm)")
     top.set_ylim(bottom=0)

@@ -1,116 +1,29 @@
-"""Tubes measured in physical units, a row each, and their equilibria at a given tension with solute in them.
-
-A column's name is that of its quantity with its unit, ``tension[mN/m]``; here they become pure numbers
-(``docs/theory/osmotic.md``), and here results get their units back.
-"""
+"""Equilibria of tubes at a given tension with solute in them, a row each, in physical units."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Literal, get_args
+from collections.abc import Sequence
+from typing import get_args
 
 import numpy as np
 import pandas as pd
 
 from pearlbvp.continuation.path import PathEnd
-from pearlbvp.errors import InputError, SpectrumError
+from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import choice, whole
 from pearlbvp.messages import say
 from pearlbvp.progress import progress as progress_bar
-from pearlbvp.studies.osmotic import OsmoticTube, Pearl, pearls_of_periods
+from pearlbvp.scale import Convention
+from pearlbvp.studies.cases import Case, cases_of, read_cases
+from pearlbvp.studies.osmotic import Pearl, pearls_of_periods
 from pearlbvp.studies.parallel import in_processes
-from pearlbvp.tables import read_table
 from pearlbvp.theory.osmotic import straight_potential, straight_size, straight_unstable
-
-Convention = Literal["physicists", "mem3dg"]
-"""Whose bending rigidity and spontaneous curvature: ``kappa/2 (2H - C0)^2``, or ``kappa (H - c0)^2``."""
-
-BOLTZMANN, GAS = 1.380649e-23, 8.31446261815324
-"""In J/K and J/(mol K), exact since 2019."""
-
-LENGTHS = {"nm": 1e-9, "um": 1e-6, "m": 1.0}
-CONCENTRATIONS = {"mOsm": 1.0, "Osm": 1e3, "mM": 1.0, "M": 1e3, "mol/m^3": 1.0}
-UNITS: Mapping[str, Mapping[str, float]] = {
-    **dict.fromkeys(("radius", "length", "spacing", "measured"), LENGTHS),
-    "c0": {"1/nm": 1e9, "1/um": 1e6, "1/m": 1.0},
-    "tension": {"mN/m": 1e-3, "uN/m": 1e-6, "pN/um": 1e-6, "N/m": 1.0},
-    "kappa": {"kT": BOLTZMANN, "pN*nm": 1e-21, "J": 1.0},
-    **dict.fromkeys(("osmolarity", "solute"), CONCENTRATIONS),
-    "temperature": {"K": 1.0},
-    "dilution": {"": 1.0},
-}
-"""Quantities of a case and what their units are in SI; ``kT`` is of the row's temperature."""
-
-USUAL = {"temperature": 310.0, "dilution": 1.0}
-NEEDED = ("tension", "kappa", "osmolarity", "solute", "length")
 
 RESULTS = ["status", "equilibria", "pearls", "bead[nm]", "neck[nm]", "volume", "pressure[Pa]", "force[pN]", "energy[pN]",
            "n_unstable", "critical", "excess", "straight[nm]", "straight_unstable", "stable_spacings[nm]",
            "best_spacing[nm]", "best_bead[nm]", "message"]  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Case:
-    """A row in pure numbers, and the units that they are measured in.
-
-    Attributes:
-        tube: the tube.
-        period: of the pearls asked for, None for those of least potential among the stable ones.
-        measured: diameter of the beads, by the unit of length; not a number where it is not given.
-        unit: of length, in m: the radius of the straight tube without a pressure difference.
-        rigidity: ``kappa`` of ``kappa (H - c0)^2``, in J.
-        reference: radius of the tube whose volume the solute was measured in, by the unit.
-    """
-
-    tube: OsmoticTube
-    period: float | None
-    measured: float
-    unit: float
-    rigidity: float
-    reference: float
-
-    @classmethod
-    def of(cls, row: Mapping[str, float], convention: Convention) -> Case:
-        """From quantities in SI units, ``kappa`` by the Boltzmann constant where it is in kT.
-
-        Raises:
-            InputError: the quantity that cannot be used, and what to do.
-        """
-        for name in (*NEEDED[1:], "temperature", "dilution"):
-            if not 0 < row.get(name, math.nan) < math.inf:
-                raise InputError(f"{name}: it is {row.get(name, 'missing')}; give a number above 0")
-        if not math.isfinite(row.get("tension", math.nan)):
-            raise InputError(f"tension: it is {row.get('tension', 'missing')}; give a number")
-        # (kappa/2)(2H - C0)^2 = 2 kappa (H - C0/2)^2
-        double = 2 if convention == "physicists" else 1
-        rigidity, c0, given = double * row["kappa"], row.get("c0", math.nan) / double, row.get("radius", math.nan)
-        ratio = row["tension"] / rigidity
-        if math.isnan(c0):
-            if not given > 0:
-                raise InputError("radius: it is missing, and so is c0; give one of the two")
-            if 1 / (4 * given**2) < ratio:
-                most = rigidity / (4 * given**2)
-                raise InputError(
-                    f"tension: {row['tension'] * 1e3:g} mN/m is above {most * 1e3:.4g} mN/m, beyond which no spontaneous "
-                    "curvature makes this radius that of the straight tube without a pressure; give less, or c0"
-                )
-            c0 = math.sqrt(1 / (4 * given**2) - ratio)
-        elif c0**2 + ratio <= 0:
-            raise InputError("tension: no straight tube is in equilibrium without a pressure; give more, or another c0")
-        unit = 1 / (2 * math.sqrt(c0**2 + ratio))
-        reference = (given if given > 0 else unit) / unit
-        pressure = GAS * row["temperature"] / row["dilution"] * unit**3 / rigidity  # of a mole by cubic metre
-        spacing = row.get("spacing", math.nan)
-        tube = OsmoticTube(
-            c0 * unit, row["solute"] * reference**2 * pressure, row["osmolarity"] * pressure, row["length"] / unit
-        )
-        if spacing > row["length"]:
-            raise InputError("spacing: it is longer than the tube; give less, or a longer one")
-        period = spacing / unit if spacing > 0 else None
-        return cls(tube, period, row.get("measured", math.nan) / unit, unit, rigidity, reference)
 
 
 def equilibria(
@@ -127,10 +40,10 @@ def equilibria(
 
     Args:
         cases: a table or the name of a CSV file. Columns: ``tension[mN/m], kappa[kT], osmolarity[mM], solute[mM],
-            length[nm]`` (of the whole tube), and ``radius[nm]`` or ``c0[1/nm]``; where they are, ``spacing[nm]`` of the
+            length[nm]`` (of the whole tube), and ``radius[nm]`` or ``C0[1/nm]``; where they are, ``spacing[nm]`` of the
             pearls, ``measured[nm]`` (diameter of their beads), ``temperature[K]`` (310 unless given) and ``dilution`` (1).
-            Other units are ``um, m, uN/m, pN/um, N/m, pN*nm, J, M, mOsm, Osm, mol/m^3``.
-        convention: of ``kappa`` and ``c0``: ``physicists``, ``kappa/2 (2H - c0)^2``, or ``mem3dg``, ``kappa (H - c0)^2``.
+            Any unit of these quantities will do. ``C0`` is that of ``(2H - C0)^2``, ``c0`` that of ``(H - c0)^2``.
+        convention: of ``kappa``: ``physicists``, ``kappa/2 (2H - C0)^2``, or ``mem3dg``, ``kappa (H - c0)^2``.
         processes: how many to use (``None``: as many as help).
         progress: show a bar on standard error (``None``: if that is a terminal).
 
@@ -152,7 +65,7 @@ def equilibria(
     choice("convention", convention, get_args(Convention))
     processes = None if processes is None else whole("processes", processes)
     table = cases if isinstance(cases, pd.DataFrame) else read_cases(cases)
-    todo = [_case(i, row, convention) for i, row in enumerate(_in_si(table), 1)]
+    todo = list(cases_of(table, convention))
     rows: list[dict[str, object]] = []
     with progress_bar("case", len(todo), shown=progress) as bar:
         try:
@@ -164,53 +77,6 @@ def equilibria(
     found = pd.DataFrame(rows, columns=RESULTS, index=table.index[: len(rows)])
     whole_numbers = {name: "Int64" for name in ("equilibria", "pearls", "n_unstable", "straight_unstable")}
     return table.iloc[: len(rows)].join(found.astype(whole_numbers))
-
-
-def _heading(name: str, unit: str) -> str:
-    return f"{name}[{unit}]" if unit else name
-
-
-def read_cases(path: str | os.PathLike[str]) -> pd.DataFrame:
-    """The columns of a CSV file that say something of a case.
-
-    Raises:
-        InputError: it cannot be read.
-    """
-    names = [_heading(name, unit) for name, units in UNITS.items() for unit in units]
-    return pd.DataFrame(read_table("CASES", path, [], optional=names))
-
-
-def _in_si(table: pd.DataFrame) -> Iterator[dict[str, float]]:
-    """Rows by quantity in SI units; a quantity that is missing in one has its usual value, or none.
-
-    Raises:
-        InputError: a column is missing, is there twice in different units, or holds what is no number.
-    """
-    columns: dict[str, np.ndarray] = {}
-    for name, units in UNITS.items():
-        there = {full: factor for unit, factor in units.items() if (full := _heading(name, unit)) in table}
-        if len(there) > 1:
-            raise InputError(f"CASES: {name} is there twice, as {' and '.join(there)}; leave one out")
-        if not there and name in NEEDED:
-            choices = ", ".join(_heading(name, unit) for unit in units)
-            raise InputError(f"CASES: there is no column of the {name}; give one, called {choices}")
-        for full, factor in there.items():
-            try:
-                columns[name] = factor * table[full].to_numpy(float)
-            except (TypeError, ValueError):
-                raise InputError(f"CASES: the column {full} holds what is no number; give numbers") from None
-    for i in range(len(table)):
-        row = USUAL | {name: float(values[i]) for name, values in columns.items() if not math.isnan(values[i])}
-        if _heading("kappa", "kT") in table and "kappa" in row:
-            row["kappa"] *= row["temperature"]
-        yield row
-
-
-def _case(number: int, row: Mapping[str, float], convention: Convention) -> Case:
-    try:
-        return Case.of(row, convention)
-    except InputError as error:
-        raise InputError(f"CASES: row {number}, {error}") from None
 
 
 def equilibrium_row(case: Case) -> dict[str, object]:

@@ -11,6 +11,7 @@ from support.commands import is_png, run
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.errors import InputError
 from pearlbvp.studies import equilibria as study
+from pearlbvp.studies.cases import cases_of
 from pearlbvp.studies.equilibria import RESULTS, equilibria
 from pearlbvp.theory.osmotic import onset_sizes
 
@@ -83,14 +84,18 @@ def test_tubes_that_are_similar_have_similar_pearls(found):
 
 def test_other_units_and_conventions_say_the_same(found):
     same = pd.DataFrame({
-        "tension[uN/m]": [10.0], "kappa[J]": [50 * KT], "osmolarity[M]": [0.4], "solute[Osm]": [0.9], "dilution": [700],
+        "tension[uN/m]": [10.0], "kappa[J]": [50 * KT], "osmolarity[M]": [0.4], "solute[mol/l]": [0.9], "dilution": [700],
         "length[um]": [2.040524], "radius[um]": [0.05], "spacing[um]": [0.36], "measured[um]": [0.212],
     })  # fmt: skip
     row = computed(same, convention="physicists").iloc[0]
     c0 = math.sqrt(1 / (4 * 50**2) - 1e-5 * 1e-18 / (100 * KT))
-    other = computed(same.drop(columns="radius[um]").assign(**{"c0[1/nm]": 2 * c0}), convention="physicists").iloc[0]
+    bare = same.drop(columns="radius[um]")
+    others = [
+        computed(bare.assign(**{name: value}), convention="physicists").iloc[0]
+        for name, value in (("C0[1/nm]", 2 * c0), ("c0[1/um]", 1e3 * c0))
+    ]
     for name in RESULTS:
-        for answer in (row, other):
+        for answer in (row, *others):
             expected = found.iloc[0][name]
             assert answer[name] == (pytest.approx(expected, rel=1e-7) if isinstance(expected, float) else expected)
 
@@ -150,10 +155,17 @@ CASE = {"tension[mN/m]": 0.01, "kappa[kT]": 50.0, "osmolarity[mM]": 400.0, "solu
     ("changed", "words"),
     [
         ({"tension[mN/m]": 0.1}, "row 1, tension: 0.1 mN/m is above 0.0428 mN/m"),
-        ({"osmolarity[mM]": 0.0}, "row 1, osmolarity: it is 0.0; give a number above 0"),
+        ({"osmolarity[mM]": 0.0}, "row 1, osmolarity: it is missing, or no number above 0; give one"),
         ({"osmolarity[mM]": math.nan}, "row 1, osmolarity: it is missing"),
         ({"osmolarity[M]": 0.4}, "osmolarity is there twice, as osmolarity[mM] and osmolarity[M]"),
         ({"kappa[kT]": None}, "the column kappa[kT] holds what is no number"),
+        ({"osmolarity[kg]": 0.4}, "osmolarity is there twice, as osmolarity[mM] and osmolarity[kg]"),
+        ({"spacing[mM]": 300.0}, "the column spacing[mM] has no unit of its quantity; write it like spacing[nm]"),
+        ({"spacing": 300.0}, "the column spacing has no unit of its quantity; write it like spacing[nm]"),
+        (
+            {"temperature[degC]": 37.0},
+            "the column temperature[degC] has no unit of its quantity; write it like temperature[K]",
+        ),
         ({"radius[nm]": math.nan}, "row 1, radius: it is missing, and so is c0"),
         ({"spacing[nm]": 3000.0}, "row 1, spacing: it is longer than the tube"),
         ({"length[nm]": 1e9}, "row 1, length: 2e+07 radii are beyond 500"),
@@ -168,5 +180,19 @@ def test_what_cannot_be_used_is_named_with_its_row(changed, words):
 
 
 def test_a_missing_column_is_named_with_its_units():
-    with pytest.raises(InputError, match=r"no column of the solute; give one, called solute\[mOsm\]"):
+    with pytest.raises(InputError, match=r"no column of the solute; give one, called solute\[mM\]"):
         equilibria(pd.DataFrame([CASE]).drop(columns="solute[mM]"))
+
+
+def test_kt_and_concentrations_are_those_of_the_row_s_temperature():
+    # At 620 K each particle pushes twice as hard, and kT is twice as large: half the concentrations and kT, at the same tension.
+    table = axons((0.01, 400, 100)).astype(float)
+    names = ["osmolarity[mM]", "solute[mM]", "kappa[kT]"]
+    hot = table.assign(**{name: table[name] / 2 for name in names}, **{"temperature[K]": 620.0})
+    row, hot_row = (next(cases_of(one, "mem3dg")) for one in (table, hot))
+    for name in ("unit", "rigidity", "period"):
+        assert getattr(hot_row, name) == pytest.approx(getattr(row, name), rel=1e-13)
+    for name in ("c0", "solute", "osmolarity", "length"):
+        assert getattr(hot_row.tube, name) == pytest.approx(getattr(row.tube, name), rel=1e-13)
+    assert row.rigidity == pytest.approx(100 * KT, rel=1e-14)
+    assert row.tube.osmolarity == pytest.approx(400 * RT / 700 * row.unit**3 / row.rigidity, rel=1e-14)
