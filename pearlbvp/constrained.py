@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import get_lapack_funcs
 
 from pearlbvp.arrays import Array
 
@@ -54,6 +53,8 @@ def leading_eigenvalues(matrix: NDArray[Any], rows: Sequence[NDArray[Any]] = ())
     Raises:
         LinAlgError: the matrix has entries that are no numbers.
     """
+    from scipy.linalg import get_lapack_funcs  # a tenth of a second, which only spectra need
+
     potrf, potri = get_lapack_funcs(("potrf", "potri"), (matrix,))
     unit, shift, most = np.eye(len(matrix)), 1.0, 8 * float(np.linalg.norm(matrix))
     factor, indefinite = potrf(shift * unit - matrix, lower=True)

@@ -274,7 +274,9 @@ def test_flows(capsys, pictures, saved, law):
         ["--point", f"lambda2={u(-0.28, BY_VOLUME)}", "--delta", u(0.03, LENGTH), "--xi", u(2.0, -AREA), "--centre",
          u(1.0, LENGTH), "--time", u(0.5, powers["t"]), "--plot", "p.png"],
     )  # fmt: skip
-    check(one, other, powers, rtol=1e-5)
+    check(
+        one, other, powers, rtol=1e-4
+    )  # multipliers differ by the integration's tolerance, where a digit of the start does
     assert f"at t = {0.5 * R ** powers['t']:.6g} the time asked for is reached" in err
     energy, multipliers, velocity = pictures.figures[0].axes[0], *pictures.figures[0].axes[1:3]
     moving = other[other["t"] > 0]

@@ -15,6 +15,7 @@ from pearlbvp.continuation.problem import Problem
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError
+from pearlbvp.force import with_force
 from pearlbvp.helfrich import Tube, WaveNumbers, mode_list, positive, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
@@ -95,7 +96,9 @@ class Prediction(Problem):
     def observables(self, u: Array) -> dict[str, float]:
         """The columns of a branch, to leading order in the amplitude."""
         tube = self.equation.tube
-        return self.equation.at(self.kind, float(u[0])) | {"c0": tube.c0, "L": tube.length}
+        known = self.equation.at(self.kind, float(u[0]))
+        curvature = known.pop("M")
+        return with_force({**known, "c0": tube.c0, "L": tube.length, "M": curvature})
 
     def further(self, u: Array) -> dict[str, float]:
         """``wave``: ``2 A``."""

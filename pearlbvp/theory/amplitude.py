@@ -277,15 +277,17 @@ class AmplitudeEquation:
         return self.b2 - self.b1 if family == "coil" else 2 * (self.b1 - self.b2)
 
     def at(self, family: Family, A: float) -> dict[str, float]:
-        """The solution of amplitude ``A`` to leading order: ``lambda1, lambda2, v, E, amplitude, r_min, r_max``.
+        """The solution of amplitude ``A`` to leading order: ``lambda1, lambda2, v, E, amplitude, r_min, r_max, M``.
 
-        ``E`` follows from ``-2 dE/dv = lambda2`` and is right to second order in ``v - 1``; radii are measured from the
-        centre of each section, and ``amplitude`` is half their spread.
+        ``E`` follows from ``-2 dE/dv = lambda2`` and is right to second order in ``v - 1``, and ``M`` from the energy's
+        derivative by ``c0``, that of ``lambda2`` at the branch point being ``-2 k^2/(k^2 + n^2 - 1)``; radii are measured from
+        the centre of each section, and ``amplitude`` is half their spread.
         """
         waves = 2 if family == "buckle" else 1
         by_square = -self.cubic(family) / self.a
         lambda2 = self.lambda2 + by_square * A**2
         v = 1 - 2 * self.a * waves * A**2
+        share = self.k**2 / (self.k**2 + self.n**2 - 1)
         thin, thick = self._radii(family, A)
         return {
             "lambda1": self.lambda1 + (waves * self.alpha2 - by_square) * A**2,
@@ -295,6 +297,7 @@ class AmplitudeEquation:
             "amplitude": (thick - thin) / 2,
             "r_min": thin,
             "r_max": thick,
+            "M": math.pi * self.tube.L * (1 - share * (v - 1)),
         }
 
     def amplitude_at(self, family: Family, v: float) -> float:

@@ -13,7 +13,7 @@ COMMANDS = {
     "dispersion --c0 0.48 --length 10": {"numba", "scipy", "h5py", "pearlbvp.continuation"},
     "amplitude --c0 0 --length 10 --mode 1,1": {"numba", "scipy", "h5py"},
     "localized --c0 0.48 --period 7.5 --lengths 15": {"scipy.linalg", "h5py", "pearlbvp.tube", "pearlbvp.mesh"},
-    "branch pearl --c0 0.48 --length 7.5 --until v=1.001": {"scipy.linalg", "pearlbvp.tube", "pearlbvp.mesh"},
+    "branch pearl --c0 0.48 --length 7.5 --until v=1.001": SCIPY | {"pearlbvp.tube", "pearlbvp.mesh"},
     "branch ring --c0 -1 --length 10 --until v=0.95": SCIPY - {"scipy.sparse.linalg"} | {"pearlbvp.mesh"},
     "branch coil --c0 0 --length 10 --until v=0.999": SCIPY | {"pearlbvp.collocation", "pearlbvp.mesh"},
     "flow --c0 0.48 --length 7.5 --point v=1.001 --time 0.01": {"scipy.interpolate", "pearlbvp.mesh"},

@@ -229,6 +229,20 @@ def test_a_predicted_branch_is_a_branch():
         assert at == pytest.approx(computed[name].iloc[1], abs=3e-4)
 
 
+@pytest.mark.parametrize(
+    ("family", "mode", "v"), [("pearl", (1, 0), 1.002), ("coil", (1, 1), 0.998), ("ring", (0, 2), 0.998)]
+)
+def test_predicted_force_and_curvature_change_as_computed_ones_do(family, mode, v):
+    computed = family_branch(Tube(0.0, 10), family, mode, branch_options({"v": v})).table()
+    predicted = predicted_branch(0.0, 10, mode, family, largest=0.05).table()
+    for name in ("M", "force"):
+        found, expected = (
+            np.interp(abs(v - 1), abs(table.v - 1), table[name]) - table[name].iloc[0]
+            for table in (predicted, computed)
+        )
+        assert found == pytest.approx(expected, rel=5e-2, abs=1e-12)
+
+
 def test_predictions_and_computed_branches_differ_by_the_next_order():
     branch = family_branch(
         Tube(0.0, 10), "pearl", (1, 0), branch_options({"v": 1.01}, step=0.02, max_step=0.02)
