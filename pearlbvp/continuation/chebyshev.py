@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import TypeVar
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -25,6 +26,7 @@ from pearlbvp.newton import NewtonOptions
 from pearlbvp.representation import brief
 
 Function = Callable[[P, Array], Array]
+Piece = TypeVar("Piece")
 
 
 class Unresolved(ArithmeticError):
@@ -86,23 +88,15 @@ class PathFunctions:
         reached = passed.any(axis=1)
         found = np.full(len(levels), np.nan)
         stretch, rising = passed.argmax(axis=1)[reached], ~above[reached, passed.argmax(axis=1)[reached]]
-        found[reached] = self._between(function, levels[reached], knots[stretch], knots[stretch + 1], rising)
+        found[reached] = between(
+            lambda x: self._with_slope(x, function),
+            levels[reached],
+            knots[stretch],
+            knots[stretch + 1],
+            rising,
+            STEP * pieces,
+        )
         return found
-
-    def _between(self, function: int, levels: Array, low: Array, high: Array, rising: NDArray[np.bool_]) -> Array:
-        """Where a monotone function takes its levels: Newton's method, by bisection where it leaves what is left."""
-        x, pieces = (low + high) / 2, len(self.coefficients)
-        for _ in range(54):
-            value, slope = self._with_slope(x, function)
-            beyond = (value > levels) == rising
-            low, high = np.where(beyond, low, x), np.where(beyond, x, high)
-            step = (value - levels) / np.where(slope == 0, np.nan, slope)
-            found = (np.abs(step) < STEP * pieces) | (np.abs(value - levels) < ROUNDING * (1 + np.abs(levels)))
-            if found.all():
-                break
-            inside = (low < x - step) & (x - step < high)
-            x = np.where(found, x, np.where(inside, x - step, (low + high) / 2))
-        return np.clip(np.where(np.abs(step) < STEP * pieces, x - step, x), 0.0, pieces)
 
     def _with_slope(self, x: Array, function: int) -> tuple[Array, Array]:
         """Values of a function and its derivative at ``x``, shape (K,) each."""
@@ -119,6 +113,39 @@ STEP, ROUNDING = 1e-9, 4e-16
 """Step of Newton's method, by the number of pieces, whose square is rounding; rounding of a value by one plus its size."""
 
 
+def between(
+    with_slope: Callable[[Array], tuple[Array, Array]],
+    levels: Array,
+    low: Array,
+    high: Array,
+    rising: NDArray[np.bool_],
+    step: float,
+) -> Array:
+    """Where functions that are monotone between two ends take their levels, all at once, shape (K,).
+
+    Newton's method, by bisection where it leaves what is left.
+
+    Args:
+        with_slope: values and derivatives of the K functions at K places.
+        levels: that lie between the values at the ends.
+        low, high: the ends.
+        rising: whether the functions do.
+        step: of Newton's method whose square is rounding.
+    """
+    x, left, right = (low + high) / 2, low, high
+    for _ in range(54):
+        value, slope = with_slope(x)
+        beyond = (value > levels) == rising
+        left, right = np.where(beyond, left, x), np.where(beyond, x, right)
+        change = (value - levels) / np.where(slope == 0, np.nan, slope)
+        found = (np.abs(change) < step) | (np.abs(value - levels) < ROUNDING * (1 + np.abs(levels)))
+        if found.all():
+            break
+        inside = (left < x - change) & (x - change < right)
+        x = np.where(found, x, np.where(inside, x - change, (left + right) / 2))
+    return np.clip(np.where(np.abs(change) < step, x - change, x), low, high)
+
+
 @cache
 def _to_coefficients(degree: int) -> Array:
     """Matrix from values at the points ``cos(pi j / degree)``, ``j = degree .. 0``, to Chebyshev coefficients."""
@@ -127,6 +154,59 @@ def _to_coefficients(degree: int) -> Array:
     matrix[:, [0, -1]] /= 2
     matrix[[0, -1]] /= 2
     return matrix
+
+
+def series(
+    sample: Callable[[float], Array], tolerance: float, degree: int, max_degree: int, hopeless: float = math.inf
+) -> tuple[Array, float, int]:
+    """Functions of ``t`` from 0 to 1 as Chebyshev series, of a degree that is doubled until they are resolved.
+
+    Args:
+        sample: the functions at a ``t``, in the last axis.
+        tolerance: for the last coefficients, relative to one plus the functions' size.
+        degree, max_degree: first and last; one is a power of two times the other.
+        hopeless: error at which a larger degree is not tried.
+
+    Returns:
+        Coefficients, shape (degree + 1, ...), in Chebyshev polynomials of ``2 t - 1``; what they leave unresolved; the
+        number of samples.
+    """
+    samples: dict[int, Array] = {}  # by position among the points of the largest degree
+    while True:
+        at = range(0, max_degree + 1, max_degree // degree)
+        for j in at:
+            if j not in samples:
+                samples[j] = sample((1 - math.cos(math.pi * j / max_degree)) / 2)
+        values = np.array([samples[j] for j in at])
+        coefficients = np.tensordot(_to_coefficients(degree), values, 1)
+        others = tuple(range(values.ndim - 1))
+        scale = 1 + np.abs(values).max(axis=others)
+        error = float((np.abs(coefficients[-3:]).max(axis=others) / scale).max())
+        if error < tolerance or error > hopeless or degree == max_degree:
+            return coefficients, error, len(samples)
+        degree *= 2
+
+
+def in_pieces(
+    resolved: Callable[[float, float], Piece], low: float, high: float, wanted: Array, fewest: int
+) -> list[Piece]:
+    """What can be resolved of functions over an interval, which is halved where it cannot be as a whole.
+
+    Args:
+        resolved: what there is between two ends; it may raise ``Unresolved``.
+        low, high: ends of the interval.
+        wanted: places at which values are wanted.
+        fewest: nothing is tried for fewer of them.
+    """
+    inside = wanted[(low <= wanted) & (wanted <= high)]
+    if len(inside) < fewest:
+        return []
+    try:
+        return [resolved(low, high)]
+    except (Unresolved, np.linalg.LinAlgError):
+        middle = (low + high) / 2
+        halves = ((low, middle), (middle, high))
+        return [piece for half in halves for piece in in_pieces(resolved, *half, inside, fewest)]
 
 
 def _resolve_piece(
@@ -146,32 +226,22 @@ def _resolve_piece(
     reach = problem.inner(direction, end - base)
     options, rate = NewtonOptions(max_iterations=8), 1e4
     known = {problem.inner(direction, v - base): v for v in (problem.transfer(p.problem, p.u) for p in points)}
-    samples: dict[int, Array] = {}  # by position among the points of the largest degree
-    degree = min(8, max_degree)
-    while True:
-        stride = max_degree // degree
-        for j in range(0, max_degree + 1, stride):
-            if j in samples:
-                continue
-            t = (1 - math.cos(math.pi * j / max_degree)) / 2
-            s = reach * (math.sqrt(t) if pitchfork else t)
-            if j == 0 and pitchfork:
-                u = base  # the bifurcation point, where the corrector's matrix is singular
-            else:
-                result, _ = correct(problem, interpolate(s, known), direction, base, s, options, rate)
-                rate = SAFETY * result.rate if result.iterations > 1 else rate
-                if not result.converged:
-                    raise Unresolved(f"no solution between two points of the path: {result.message}")
-                u = result.u
-            known[s] = u
-            samples[j] = function(problem, u)
-        values = np.array([samples[j] for j in range(0, max_degree + 1, stride)])
-        coefficients = _to_coefficients(degree) @ values
-        scale = 1 + np.abs(values).max(axis=0)
-        error = float((np.abs(coefficients[-3:]).max(axis=0) / scale).max())
-        if error < tolerance or degree == max_degree:
-            return coefficients, error, len(samples)
-        degree *= 2
+
+    def sample(t: float) -> Array:
+        nonlocal rate
+        s = reach * (math.sqrt(t) if pitchfork else t)
+        if t == 0 and pitchfork:
+            u = base  # the bifurcation point, where the corrector's matrix is singular
+        else:
+            result, _ = correct(problem, interpolate(s, known), direction, base, s, options, rate)
+            rate = SAFETY * result.rate if result.iterations > 1 else rate
+            if not result.converged:
+                raise Unresolved(f"no solution between two points of the path: {result.message}")
+            u = result.u
+        known[s] = u
+        return function(problem, u)
+
+    return series(sample, tolerance, min(8, max_degree), max_degree)
 
 
 def resolve(

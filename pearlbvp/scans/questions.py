@@ -5,7 +5,6 @@ A question more is an entry here: the store, the engines, the command line and t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,8 @@ from pearlbvp.scans.case import Case, Row, Value
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from pearlbvp.studies.first_pearls import FirstPearls
 
 CRITICAL = "critical"
 """The period of the pearls that the straight tube of a length loses stability to, instead of a number."""
@@ -29,6 +30,8 @@ class Question:
         parameters: of a case, in the order by which tables are sorted; ``c0, L, period, ...`` in radii.
         columns: of its table.
         rows: the rows of each of several cases that belong together; pure.
+        from_series: the same from series that were kept, and the new ones that it took.
+        series_of: the ``c0`` of the series that a case is answered from; None where it is from none.
         together: cases with equal answers are answered by one continuation.
         integers: columns of whole numbers.
         settings: tolerances that its numbers depend on: other ones are other cases.
@@ -43,12 +46,20 @@ class Question:
     columns: tuple[str, ...]
     rows: Callable[[Sequence[Case]], list[Sequence[Row]]]
     together: Callable[[Case], tuple[Value, ...]] = lambda case: case.parameters
+    from_series: Callable[[Sequence[Case], Sequence[bytes]], tuple[list[Sequence[Row]], list[bytes]]] | None = None
+    series_of: Callable[[Case], float | None] = lambda case: None
     integers: tuple[str, ...] = ()
     settings: Mapping[str, Value] = field(default_factory=dict)
     check: Callable[[Case], object] = lambda case: None
     drawn: str = "v"
     says: str = ""
     example: str = ""
+
+    def answered(self, cases: Sequence[Case], known: Sequence[bytes]) -> tuple[list[Sequence[Row]], list[bytes]]:
+        """The rows of cases that belong together, and new series that are worth keeping."""
+        if self.from_series is None or self.series_of(cases[0]) is None:
+            return self.rows(cases), []
+        return self.from_series(cases, known)
 
 
 def _each(row: Callable[..., Row | Sequence[Row]]) -> Callable[[Sequence[Case]], list[Sequence[Row]]]:
@@ -78,7 +89,7 @@ def _localized(cases: Sequence[Case]) -> list[Sequence[Row]]:
     _, c0, period, _ = _parameters(cases[0])
     if period != CRITICAL:
         return [[row] for row in localized_rows(c0, period, [float(case.parameters[2]) for case in cases])]
-    return [[_at_critical_period(c0, float(case.parameters[2]))] for case in cases]
+    return _critical(cases, ())[0]
 
 
 def _check_localized(case: Case) -> None:
@@ -93,24 +104,30 @@ def _parameters(case: Case) -> tuple[Any, ...]:
     return (case.question, *case.parameters)
 
 
-def _at_critical_period(c0: float, length: float) -> Row:
-    from pearlbvp.helfrich import Tube
-    from pearlbvp.studies.localized import localized_rows, onset_status
-    from pearlbvp.theory.dispersion import stable_interval
-
-    interval = stable_interval(Tube(c0, length))
-    if interval.exists and interval.lower_mode is not None:
-        return localized_rows(c0, length / interval.lower_mode[0], [length])[0]
-    nothing = "no pearls with k < 1 fit a tube of this length: nothing ends its stable interval from below"
-    status = onset_status(interval, 0) or {}
-    row = {"c0": c0, "period": math.nan, "L": length}
-    return row | (status if not interval.exists else {"status": "none_in_range", "message": nothing})
+def _critical(cases: Sequence[Case], known: Sequence[bytes]) -> tuple[list[Sequence[Row]], list[bytes]]:
+    """Localized pearls among the first pearls: all lengths of a ``c0`` from the same series."""
+    found, new = _first_pearls(cases, known)
+    return [[one.row()] for one in found], new
 
 
-def _period(c0: float, length: float) -> Row:
-    from pearlbvp.studies.period import pearl_period
+def _period(cases: Sequence[Case], known: Sequence[bytes] = ()) -> tuple[list[Sequence[Row]], list[bytes]]:
+    """Rows of the first pearls, likewise."""
+    found, new = _first_pearls(cases, known)
+    return [[one.period_row()] for one in found], new
 
-    return pearl_period(c0, length)
+
+def _first_pearls(cases: Sequence[Case], known: Sequence[bytes]) -> tuple[list[FirstPearls], list[bytes]]:
+    from pearlbvp.studies.first_pearls import first_pearls
+    from pearlbvp.studies.pearl_series import PearlSeries
+
+    at = QUESTIONS[cases[0].question].parameters.index("L")
+    lengths = [float(case.parameters[at]) for case in cases]
+    found, new = first_pearls(float(cases[0].parameters[0]), lengths, [PearlSeries.from_bytes(one) for one in known])
+    return found, [one.to_bytes() for one in new]
+
+
+def _c0(case: Case) -> float:
+    return float(case.parameters[0])
 
 
 def _region(cases: Sequence[Case]) -> list[Sequence[Row]]:
@@ -184,7 +201,7 @@ QUESTIONS: Mapping[str, Question] = {
         ),
         Question(
             "localized", ("c0", "period", "L"), LOCALIZED, _localized,
-            lambda case: case.parameters if case.parameters[1] == CRITICAL else case.parameters[:2],
+            lambda case: case.parameters[:2], _critical, lambda case: _c0(case) if case.parameters[1] == CRITICAL else None,
             integers=("pearls",), check=_check_localized,
             says="Where pearls of a period give way to one localized pearl.",
             example="localized --c0 0.26:0.49:0.01 --period critical --lengths 15:300:7.5 --store l.sqlite",
@@ -193,7 +210,8 @@ QUESTIONS: Mapping[str, Question] = {
             "period", ("c0", "L"),
             ("c0", "L", "pearls", "period", "k", "status", "lambda2_pearl", "lambda2_upper", "upper_mode", "v_localized",
              "localized_status", "message"),
-            _each(_period), integers=("pearls",), drawn="period",
+            lambda cases: _period(cases)[0], lambda case: case.parameters[:1], _period, _c0,
+            integers=("pearls",), drawn="period",
             says="The pearl period that appears on a tube, its stable range, and where a localized pearl takes over.",
             example="period --c0 0.3,0.48 --lengths 7.5:120:0.5 --store p.sqlite",
         ),

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from contextlib import ExitStack
-from typing import Any
+from typing import Any, NamedTuple
 
 from pearlbvp.scans.case import Case, Outcome, coarse_first
 from pearlbvp.scans.engines import Engine, TimedOut, cores, within
@@ -15,6 +15,14 @@ from pearlbvp.scans.store import Store
 
 Unit = tuple[Case, ...]
 """Cases that are answered together, by one continuation."""
+
+
+class Answer(NamedTuple):
+    """What became of the cases of a unit, and series that were computed for them."""
+
+    outcomes: list[Outcome]
+    series: Sequence[bytes] = ()
+
 
 AHEAD = 2
 """Units a worker that wait where it finds them at once."""
@@ -29,21 +37,21 @@ def units_of(question: Question, cases: Sequence[Case]) -> list[Unit]:
     return [units[index] for index in coarse_first(len(units))]
 
 
-def answer(unit: Unit, seconds: float | None = None) -> list[Outcome]:
-    """What becomes of the cases of a unit; runs in a worker.
+def answer(unit: Unit, seconds: float | None = None, known: Sequence[bytes] = ()) -> Answer:
+    """What becomes of the cases of a unit, from series that are known; runs in a worker.
 
     Where the whole ends in an error its cases are tried one by one, so that only those fail that must.
     """
     question = QUESTIONS[unit[0].question]
     try:
-        rows = within(seconds, question.rows, unit)
+        rows, series = within(seconds, question.answered, unit, known)
     except TimedOut:
-        return [failure(case, f"it took longer than {seconds:g} s; allow more") for case in unit]
+        return Answer([failure(case, f"it took longer than {seconds:g} s; allow more") for case in unit])
     except Exception as error:
         if len(unit) > 1:
-            return [outcome for case in unit for outcome in answer((case,), seconds)]
-        return [failure(unit[0], str(error) or type(error).__name__)]
-    return [_outcome(found) for found in rows]
+            return Answer([outcome for case in unit for outcome in answer((case,), seconds).outcomes])
+        return Answer([failure(unit[0], str(error) or type(error).__name__)])
+    return Answer([_outcome(found) for found in rows], series)
 
 
 def _outcome(rows: Sequence[Any]) -> Outcome:
@@ -90,14 +98,20 @@ def run(
     waiting = deque(units_of(question, cases))
     suspects: deque[Unit] = deque()  # were in work when a worker died: one by one, the one that kills is found
 
-    def keep(unit: Unit, outcomes: Sequence[Outcome]) -> None:
-        store.put(dict(zip(unit, outcomes, strict=True)), question.settings)
+    def begin(executor: Executor, unit: Unit) -> Future[Answer]:
+        c0 = question.series_of(unit[0])
+        return executor.submit(answer, unit, seconds, () if c0 is None else store.series(c0))
+
+    def keep(unit: Unit, found: Answer) -> None:
+        store.put(dict(zip(unit, found.outcomes, strict=True)), question.settings)
+        store.put_series(question.series_of(unit[0]), found.series)
         finished(len(unit))
 
     while waiting or suspects:
-        lost = _until_lost(waiting, suspects, keep, engine, AHEAD * (workers or cores()), seconds)
+        lost = _until_lost(waiting, suspects, begin, keep, engine, AHEAD * (workers or cores()))
         if len(lost) == 1:
-            keep(lost[0], [failure(case, "its worker process died, perhaps for want of memory") for case in lost[0]])
+            died = "its worker process died, perhaps for want of memory"
+            keep(lost[0], Answer([failure(case, died) for case in lost[0]]))
         else:
             suspects.extend(lost)
 
@@ -105,10 +119,10 @@ def run(
 def _until_lost(
     waiting: deque[Unit],
     suspects: deque[Unit],
-    keep: Callable[[Unit, Sequence[Outcome]], object],
+    begin: Callable[[Executor, Unit], Future[Answer]],
+    keep: Callable[[Unit, Answer], object],
     engine: Engine,
     window: int,
-    seconds: float | None,
 ) -> list[Unit]:
     """Work until all is done or a worker dies; what was in work then is returned.
 
@@ -116,53 +130,54 @@ def _until_lost(
     """
     with ExitStack() as stack:
         executor: Executor = stack.enter_context(engine())
-        working: dict[Future[list[Outcome]], Unit] = {}
+        working: dict[Future[Answer], Unit] = {}
         try:
             while waiting or suspects or working:
                 while (suspects and not working) or (waiting and not suspects and len(working) < window):
                     unit = suspects.popleft() if suspects else waiting.popleft()
                     try:
-                        working[executor.submit(answer, unit, seconds)] = unit
+                        working[begin(executor, unit)] = unit
                     except BrokenExecutor:
                         return [*working.values(), unit]
                 done, _ = wait(working, return_when=FIRST_COMPLETED)
                 lost = []
                 for future in done:
                     unit = working.pop(future)
-                    outcomes = _result(unit, future)
-                    if outcomes is None:
+                    found = _result(unit, future)
+                    if found is None:
                         lost.append(unit)
                     else:
-                        keep(unit, outcomes)
+                        keep(unit, found)
                 if lost:
                     return lost + _lost(working, keep)
         except BaseException as error:
             for future, unit in working.items():
                 if not future.cancel() and future.done() and isinstance(error, KeyboardInterrupt):
-                    outcomes = _result(unit, future)
-                    if outcomes is not None:
-                        keep(unit, outcomes)
+                    found = _result(unit, future)
+                    if found is not None:
+                        keep(unit, found)
             raise
     return []
 
 
-def _result(unit: Unit, future: Future[list[Outcome]]) -> list[Outcome] | None:
+def _result(unit: Unit, future: Future[Answer]) -> Answer | None:
     """What a worker answered; None if it died."""
     try:
         return future.result()
     except BrokenExecutor:
         return None
     except Exception as error:  # of the engine: an answer's own are outcomes
-        return [failure(case, " ".join(str(error).split())[:200] or type(error).__name__) for case in unit]
+        why = " ".join(str(error).split())[:200] or type(error).__name__
+        return Answer([failure(case, why) for case in unit])
 
 
-def _lost(working: dict[Future[list[Outcome]], Unit], keep: Callable[[Unit, Sequence[Outcome]], object]) -> list[Unit]:
+def _lost(working: dict[Future[Answer], Unit], keep: Callable[[Unit, Answer], object]) -> list[Unit]:
     """What was in work when a worker died, but for what was finished."""
     lost = []
     for future, unit in working.items():
-        outcomes = _result(unit, future)
-        if outcomes is None:
+        found = _result(unit, future)
+        if found is None:
             lost.append(unit)
         else:
-            keep(unit, outcomes)
+            keep(unit, found)
     return lost

@@ -31,6 +31,10 @@ CREATE TABLE IF NOT EXISTS cases (
 )
 """
 
+SERIES = """
+CREATE TABLE IF NOT EXISTS series (c0 REAL NOT NULL, version TEXT NOT NULL, content BLOB NOT NULL)
+"""
+
 RECENT = 200
 """Finished cases whose pace tells how long the others will take."""
 
@@ -98,6 +102,7 @@ class Store:
             self._database.execute("PRAGMA synchronous = FULL")  # what is finished outlives a power cut
             self._database.execute(f"PRAGMA application_id = {APPLICATION}")
             self._database.execute(SCHEMA)
+            self._database.execute(SERIES)
         columns = {row[1] for row in self._database.execute("PRAGMA table_info(cases)")}
         if not {"key", "question", "parameters", "settings", "version", "status", "rows", "finished"} <= columns:
             raise InputError(f"{self.name}: {self.path} is no whole store; give another file")
@@ -171,6 +176,22 @@ class Store:
         with self._understood(), self._at_once():
             self._database.executemany(
                 "UPDATE cases SET status = ?, message = ?, rows = ?, finished = ? WHERE key = ?", rows
+            )
+
+    def series(self, c0: float) -> list[bytes]:
+        """The series that cases of a ``c0`` are answered from, of this version."""
+        with self._understood():
+            found = self._database.execute(
+                "SELECT content FROM series WHERE c0 = ? AND version = ? ORDER BY rowid", (c0, __version__)
+            )
+            return [content for (content,) in found]
+
+    def put_series(self, c0: float | None, contents: Sequence[bytes]) -> None:
+        """Keep new ones."""
+        with self._understood(), self._at_once():
+            self._database.executemany(
+                "INSERT INTO series (c0, version, content) VALUES (?, ?, ?)",
+                [(c0, __version__, content) for content in contents],
             )
 
     @contextmanager

@@ -27,22 +27,21 @@ from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.pearling import pearling_onset
 from pearlbvp.stability.floquet import alternating_determinants, multipliers
 from pearlbvp.stability.spectrum import spectrum
-from pearlbvp.theory.dispersion import StableInterval, stable_intervals
+from pearlbvp.studies.stability_loss import THINNEST_NECK, Ending, LocalizedPearl, Outcome, at_onset
+from pearlbvp.theory.dispersion import stable_intervals
 from pearlbvp.units import Sentence
 
 if TYPE_CHECKING:
     import pandas as pd
 
 COLUMNS = ["c0", "period", "L", "pearls", "status", "lambda1", "lambda2", "v", "E", "amplitude", "message"]
-THINNEST_NECK = 0.1
-"""Radius of the neck at which the search along the pearls ends."""
 
-_FUNCTIONS = ("lambda1", "lambda2", "v", "E", "amplitude_squared", "sum", "cosine")
-_V, _SUM, _COSINE = (_FUNCTIONS.index(name) for name in ("v", "sum", "cosine"))
+FUNCTIONS = ("lambda1", "lambda2", "v", "E", "amplitude_squared", "sum", "cosine")
+V, SQUARE, SUM, COSINE = (FUNCTIONS.index(name) for name in ("v", "amplitude_squared", "sum", "cosine"))
 
 
-def _functions(problem: PearlProblem, u: Array) -> Array:
-    """The smooth functions of a solution, in the order of ``_FUNCTIONS``: even where pearls shift by half a period.
+def functions_of(problem: PearlProblem, u: Array) -> Array:
+    """The smooth functions of a solution, in the order of ``FUNCTIONS``: even where pearls shift by half a period.
 
     The amplitude is half the belly's radius minus the neck's, which changes sign then: its square is even. The two
     alternating determinants change places: their sum and product are even, ``2 cos(theta) = 4 product - 2``.
@@ -51,10 +50,10 @@ def _functions(problem: PearlProblem, u: Array) -> Array:
     radii = problem.discretization.values(u)[[0, -1], 0]
     even, odd = alternating_determinants(problem.profile(u))
     squared = ((radii[0] - radii[1]) / 2) ** 2
-    return np.array([*(observed[name] for name in _FUNCTIONS[:4]), squared, even + odd, 4 * even * odd - 2])
+    return np.array([*(observed[name] for name in FUNCTIONS[:4]), squared, even + odd, 4 * even * odd - 2])
 
 
-def _has_wave_around(point: Solution[PearlProblem]) -> bool:
+def has_wave_around(point: Solution[PearlProblem]) -> bool:
     """Whether a point has a neutral Bloch wave of ``n = 1`` or 2 at all, whether or not it fits a tube."""
     profile = point.problem.profile(point.u)
     for n in (1, 2):
@@ -105,11 +104,11 @@ class PeriodicPearls:
         goal = 2 * math.cos(2 * math.pi / fewest)
         problem, u, tangent = pearling_onset(tube, intervals=intervals, degree=degree)
         start = Solution(problem, u, tangent)
-        at_onset = _functions(problem, u)
+        at_onset = functions_of(problem, u)
 
         def stop(point: Solution[PearlProblem]) -> str | None:
-            here = _functions(point.problem, point.u)
-            if here[_COSINE] < goal or here[_SUM] * at_onset[_SUM] < 0:
+            here = functions_of(point.problem, point.u)
+            if here[COSINE] < goal or here[SUM] * at_onset[SUM] < 0:
                 return "unstable"
             return "neck" if point.observables["r_min"] < THINNEST_NECK else None
 
@@ -118,20 +117,20 @@ class PeriodicPearls:
             raise Unresolved(
                 f"the pearls could not be followed from their onset ({path.reason}); take a period further from 2 pi"
             )
-        return cls(tube.c0, tube.length, fewest, path, resolve(path.points, _functions, pitchfork=True))
+        return cls(tube.c0, tube.length, fewest, path, resolve(path.points, functions_of, pitchfork=True))
 
     def neutral_angle(self, x: Array) -> Array:
         """Angle of the neutral Bloch wave at ``x``, from 0 to pi; 0 or pi where there is none."""
-        return np.arccos(np.clip(self.functions(x)[:, _COSINE] / 2, -1, 1))
+        return np.arccos(np.clip(self.functions(x)[:, COSINE] / 2, -1, 1))
 
     @cached_property
     def _folds(self) -> Array:
-        return self.functions.crossings(_V, derivative=1)
+        return self.functions.crossings(V, derivative=1)
 
     def _waves_around(self, v_end: float) -> list[Solution[PearlProblem]]:
         """The path's points before a volume with a neutral wave of ``n = 1`` or 2; onset is none."""
         before = (point for point in self.path.points[1:] if point.observables["v"] < v_end)
-        return [point for point in before if _has_wave_around(point)]
+        return [point for point in before if has_wave_around(point)]
 
     def losses_of_stability(self, pearls: Sequence[int]) -> Array:
         """Coordinates ``x``, shape (K,), at which pearls on so many periods lose stability to one localized pearl.
@@ -141,12 +140,12 @@ class PeriodicPearls:
         it never does.
         """
         levels = 2 * np.cos(2 * np.pi / np.array(pearls))
-        found = self.functions.first_crossings(_COSINE, levels)
-        found[self.functions(np.zeros(1))[0, _COSINE] <= levels + 1e-12] = 0.0  # to its accuracy
+        found = self.functions.first_crossings(COSINE, levels)
+        found[self.functions(np.zeros(1))[0, COSINE] <= levels + 1e-12] = 0.0  # to its accuracy
         if 2 in pearls:
             # Where theta passes pi the cosine may do no more than touch -2. The sum of its two factors has a simple
             # zero there, at which their product is negative: the first zero of the product lies before.
-            touched = [self._first_alternating(float(x)) for x in self.functions.crossings(_SUM)]
+            touched = [self._first_alternating(float(x)) for x in self.functions.crossings(SUM)]
             two = np.array(pearls) == 2
             found[two] = np.fmin(found[two], min(touched, default=math.nan))
         return found
@@ -156,7 +155,7 @@ class PeriodicPearls:
         low, high = 0.0, x
         for _ in range(52):
             middle = (low + high) / 2
-            if self.functions(np.array([middle]))[0, _COSINE] > -2:
+            if self.functions(np.array([middle]))[0, COSINE] > -2:
                 low = middle
             else:
                 high = middle
@@ -172,34 +171,39 @@ class PeriodicPearls:
 
     def rows(self, pearls: Sequence[int]) -> list[dict[str, object]]:
         """The same on several numbers of periods."""
+        return [outcome.row() for outcome in self.outcomes(pearls)]
+
+    def outcomes(self, pearls: Sequence[int]) -> list[Outcome]:
+        """How the pearls on several numbers of periods lose stability.
+
+        Raises:
+            InputError: the path was not followed far enough for so few periods.
+        """
         for count in pearls:
             check_pearls(count, self.fewest)
         x = self.losses_of_stability(pearls)
         reached = ~np.isnan(x)
         values = np.where(reached[:, None], self.functions(np.where(reached, x, 0.0)), np.nan)
-        waves = self._waves_around(float(values[:, _V].max(initial=1.0)) if reached.all() else math.inf)
-        return [self._row(*case, waves) for case in zip(pearls, x.tolist(), values, strict=True)]
+        waves = self._waves_around(float(values[:, V].max(initial=1.0)) if reached.all() else math.inf)
+        return [self._outcome(*case, waves) for case in zip(pearls, x.tolist(), values, strict=True)]
 
-    def _row(self, pearls: int, x: float, values: Array, waves: list[Solution[PearlProblem]]) -> dict[str, object]:
-        """A row, from where the pearls lose stability (not a number: nowhere), the functions there, and ``_waves_around``."""
+    def _outcome(self, pearls: int, x: float, values: Array, waves: list[Solution[PearlProblem]]) -> Outcome:
+        """From where the pearls lose stability (not a number: nowhere), the functions there, and ``_waves_around``."""
         nowhere = math.isnan(x)
         if (self._folds < (math.inf if nowhere else x)).any():
-            v = float(self.functions(self._folds[:1])[0, _V])
-            return _no(f"the pearls lose stability at a fold in v = {v:.6g} before any localized pearl branches off")
-        n = _wave_around_before(waves, math.inf if nowhere else float(values[_V]), pearls)
+            return Outcome(Ending.FOLD, float(self.functions(self._folds[:1])[0, V]))
+        n = _wave_around_before(waves, math.inf if nowhere else float(values[V]), pearls)
         if n is not None:
-            return _no(f"the pearls lose stability to a wave of n = {n} before any localized pearl branches off")
+            return Outcome(Ending.AROUND, n)
         if nowhere:
-            if not self.path.complete:
-                return {
-                    "status": "failed",
-                    "message": Sentence.joined("the pearls could not be followed far enough: ", self.path.reason),
-                }
-            text = "the pearls stay stable until their necks are thinner than {r:g} {r_unit}"
-            return _no(Sentence(text, r=THINNEST_NECK))
-        named = dict(zip(_FUNCTIONS, map(float, values), strict=True))
-        named["amplitude"] = math.sqrt(max(named["amplitude_squared"], 0.0))
-        return {"status": "found", **{name: named[name] for name in COLUMNS[5:10]}, "message": ""}
+            return Outcome(Ending.STABLE) if self.path.complete else Outcome(Ending.CUT, self.path.reason)
+        return branch_point(values)
+
+
+def branch_point(values: Array) -> Outcome:
+    """The localized pearl's branch point where the pearls' functions have some values."""
+    lambda1, lambda2, v, energy, squared = values[: SQUARE + 1].tolist()
+    return Outcome(Ending.FOUND, values=LocalizedPearl(lambda1, lambda2, v, energy, math.sqrt(max(squared, 0.0))))
 
 
 def _wave_around_before(waves: list[Solution[PearlProblem]], v_end: float, pearls: int) -> int | None:
@@ -211,10 +215,6 @@ def _wave_around_before(waves: list[Solution[PearlProblem]], v_end: float, pearl
             if unstable:
                 return min(unstable)
     return None
-
-
-def _no(message: str) -> dict[str, object]:
-    return {"status": "none_in_range", "message": message}
 
 
 def check_pearls(pearls: int, fewest: int) -> None:
@@ -254,18 +254,12 @@ def pearls_on(length: float, period: float) -> int:
     return pearls
 
 
-def onset_status(interval: StableInterval, pearls: int) -> dict[str, object] | None:
-    """What keeps pearls from being stable at their onset, given the straight tube's stable interval; or None."""
-    if not interval.exists:
-        message = "the straight tube of this length is stable for no lambda2"
-        return {"status": "no_stable_cylinder", "message": message}
-    if interval.lower_mode != (pearls, 0):
-        first = "none" if interval.lower_mode is None else f"{interval.lower_mode[0]} pearls"
-        return {
-            "status": "unstable_at_onset",
-            "message": f"the straight tube is unstable there already (first: {first})",
-        }
-    return None
+def losses_at(c0: float, period: float, pearls: Sequence[int]) -> list[Outcome]:
+    """How pearls of a period lose stability on several numbers of periods, 2 or more, by one continuation."""
+    try:
+        return PeriodicPearls.trace(c0, period, min(pearls)).outcomes(pearls)
+    except (Unresolved, np.linalg.LinAlgError) as error:
+        return [Outcome(Ending.FAILED, str(error)) for _ in pearls]
 
 
 def localized_pearls(c0: float, period: float, lengths: float | str | Iterable[float]) -> pd.DataFrame:
@@ -295,26 +289,19 @@ def localized_pearls(c0: float, period: float, lengths: float | str | Iterable[f
 def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[str, object]]:
     """The rows of ``localized_pearls``."""
     period = check_period(period)
-    cases = []
     tubes = [Tube(c0, length) for length in lengths]
+    counts = [pearls_on(length, period) for length in lengths]
     intervals = stable_intervals(float(c0), np.array([tube.length for tube in tubes]))
-    for length, tube, interval in zip(lengths, tubes, intervals, strict=True):
-        pearls = pearls_on(length, period)
-        cases.append((tube, pearls, onset_status(interval, pearls)))
-    wanted = [pearls for _, pearls, status in cases if status is None and pearls > 1]
-    failure, curve = "", None
-    if wanted:
-        try:
-            curve = PeriodicPearls.trace(c0, period, min(wanted))
-        except (Unresolved, np.linalg.LinAlgError) as error:
-            failure = str(error)
-    found = {} if curve is None else dict(zip(wanted, curve.rows(wanted), strict=True))
-    rows = []
-    for tube, pearls, status in cases:
-        if status is None and pearls == 1:
-            status = _no("one pearl fills the tube: there are no others for it to stand out from")
-        elif status is None:
-            status = found.get(pearls, {"status": "failed", "message": failure})
-        row = {"c0": tube.c0, "period": period, "L": tube.length, "pearls": pearls, **status}
-        rows.append({name: row.get(name, math.nan) for name in COLUMNS})
-    return rows
+    known = [at_onset(*case) for case in zip(intervals, counts, strict=True)]
+    wanted = [count for count, outcome in zip(counts, known, strict=True) if outcome is None]
+    found = iter(losses_at(c0, period, wanted) if wanted else ())
+    return [
+        localized_row(tube, period, count, outcome or next(found))
+        for tube, count, outcome in zip(tubes, counts, known, strict=True)
+    ]
+
+
+def localized_row(tube: Tube, period: float, pearls: int, outcome: Outcome) -> dict[str, object]:
+    """A row of ``localized_pearls``."""
+    row = {"c0": tube.c0, "period": period, "L": tube.length, "pearls": pearls, **outcome.row()}
+    return {name: row.get(name, math.nan) for name in COLUMNS}

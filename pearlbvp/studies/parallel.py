@@ -13,7 +13,7 @@ Row = TypeVar("Row")
 
 
 def in_processes(
-    function: Callable[[Case], Row], cases: Sequence[Case], processes: int | None, fewest: int
+    function: Callable[[Case], Row], cases: Sequence[Case], processes: int | None, fewest: int, batch: int = 4
 ) -> Iterator[Row]:
     """What a function makes of each case, in order, each as soon as it and those before it are done.
 
@@ -23,6 +23,7 @@ def in_processes(
         processes: how many to use; by default one a core, or none besides this one for a few cases. Each is kept to
             one BLAS thread. What is left when one of them is killed, for want of memory say, is done here.
         fewest: cases below which starting processes costs more than it saves.
+        batch: cases that a process takes at once.
     """
     if processes == 1 or (len(cases) < fewest and processes is None):
         yield from map(function, cases)
@@ -32,7 +33,7 @@ def in_processes(
     done = 0
     try:
         with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1):
-            for row in Parallel(return_as="generator", batch_size=4)(delayed(function)(case) for case in cases):
+            for row in Parallel(return_as="generator", batch_size=batch)(delayed(function)(case) for case in cases):
                 yield row
                 done += 1
     except BrokenProcessPool:

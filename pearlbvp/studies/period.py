@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import pandas as pd
+from numpy.polynomial.chebyshev import chebval
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation import PathOptions, Solution, follow
-from pearlbvp.continuation.chebyshev import Unresolved
+from pearlbvp.continuation.chebyshev import Unresolved, in_pieces, series
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.errors import InputError
@@ -19,59 +21,65 @@ from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.pearling import pearling_onset
-from pearlbvp.studies.localized import THINNEST_NECK, PeriodicPearls
+from pearlbvp.studies.first_pearls import first_pearls
 from pearlbvp.studies.parallel import in_processes
-from pearlbvp.theory.dispersion import stable_interval
+from pearlbvp.studies.pearl_series import DEGREES, FEWEST, HOPELESS, TOLERANCE, scaled, unscaled
+from pearlbvp.studies.stability_loss import THINNEST_NECK
 
 COLUMNS = ["c0", "L", "pearls", "period", "k", "status", "lambda2_pearl", "lambda2_upper", "upper_mode",
            "v_localized", "localized_status", "message"]  # fmt: skip
 
-_FEWEST_FOR_PROCESSES = 16
-"""Below this many cases, starting processes costs more than it saves."""
+_FEWEST_FOR_PROCESSES = 8
+"""Below this many values of ``c0``, starting processes costs more than it saves."""
+
+NEAREST = -6.0
+"""Scaled period, 2 pi and an eighth of a percent, nearest to ``2 pi`` at which a series of energies is tried."""
 
 
-def pearl_period(c0: float, length: float) -> dict[str, object]:
-    """One row of the scan: the pearls that the straight tube of a length loses stability to."""
-    tube = Tube(c0, length)
-    interval = stable_interval(tube)
-    row: dict[str, object] = {"c0": tube.c0, "L": tube.length, "message": ""}
-    if not interval.exists:
-        message = "the straight tube of this length is stable for no lambda2"
-        return row | {"status": "no_stable_cylinder", "localized_status": "no_stable_cylinder", "message": message}
-    row |= {"lambda2_upper": interval.upper, "upper_mode": "{}:{}".format(*interval.upper_mode)}
-    if interval.lower_mode is None:
-        message = "no pearls with k < 1 fit a tube of this length: nothing ends its stable interval from below"
-        return row | {"status": "none_in_range", "localized_status": "none_in_range", "message": message}
-    pearls = interval.lower_mode[0]
-    row |= {"pearls": pearls, "period": tube.length / pearls, "k": tube.wave_number(pearls), "status": "found",
-            "lambda2_pearl": interval.lower}  # fmt: skip
-    if pearls == 1:
-        return row | {"localized_status": "single_pearl"}
-    try:
-        found = PeriodicPearls.trace(tube.c0, tube.length / pearls, pearls).row(pearls)
-    except (Unresolved, np.linalg.LinAlgError) as error:
-        found = {"status": "failed", "message": str(error)}
-    return row | {"v_localized": found.get("v"), "localized_status": found["status"], "message": found["message"]}
-
-
-def least_energy(c0: float, length: float, v: float) -> dict[str, object]:
-    """The number of equal pearls of least energy at a reduced volume, among all numbers with ``k < 1``.
+def least_energies(c0: float, lengths: Sequence[float], v: float) -> list[dict[str, object]]:
+    """The number of equal pearls of least energy at a reduced volume, among all numbers with ``k < 1``, on tubes of one ``c0``.
 
     Each number's branch is followed from the cylinder to ``v``; those that do not reach it are left out. Localized and
     unequal pearls are not among them.
 
     Returns:
-        ``v, pearls_least_energy, E_least_energy``; the last two empty where no branch reaches that volume.
+        For each length ``v, pearls_least_energy, E_least_energy``; the last two empty where no branch reaches that volume.
     """
-    tube = Tube(c0, length)
-    energies: dict[int, float] = {}
-    for m in range(1, math.ceil(length / (2 * math.pi))):
-        if tube.wave_number(m) < 1:
-            energy = _energy_at(tube, m, v)
-            if energy is not None:
-                energies[m] = energy
-    best = min(energies, key=lambda m: energies[m], default=None)
-    return {"v": v, "pearls_least_energy": best, "E_least_energy": None if best is None else energies[best]}
+    counts = [range(1, math.ceil(Tube(c0, length).length / (2 * math.pi))) for length in lengths]
+    found = _energies(
+        c0, sorted({length / m for length, several in zip(lengths, counts, strict=True) for m in several}), v
+    )
+    rows: list[dict[str, object]] = []
+    for length, several in zip(lengths, counts, strict=True):
+        energies = {m: energy for m in several if (energy := found[length / m]) is not None}
+        best = min(energies, key=lambda m: energies[m], default=None)
+        rows.append({"v": v, "pearls_least_energy": best, "E_least_energy": None if best is None else energies[best]})
+    return rows
+
+
+def _energies(c0: float, periods: Sequence[float], v: float) -> dict[float, float | None]:
+    """``E/A`` of pearls of several periods where they first reach a volume: a series in the period where it is smooth."""
+
+    def resolved(low: float, high: float) -> tuple[float, float, Array]:
+        def sample(t: float) -> Array:
+            energy = _energy_at(Tube(c0, unscaled(low + t * (high - low))), 1, v)
+            if energy is None:
+                raise Unresolved("some pearls do not reach the volume")
+            return np.array([energy])
+
+        coefficients, error, _ = series(sample, TOLERANCE, *DEGREES, hopeless=HOPELESS)
+        if error > TOLERANCE:
+            raise Unresolved("the energy is not smooth in the period")
+        return low, high, coefficients[:, 0]
+
+    u = scaled(np.array(periods))
+    pieces = in_pieces(resolved, NEAREST, float(u.max()), u, FEWEST) if len(u) else []
+    energies: dict[float, float | None] = {}
+    for low, high, coefficients in pieces:
+        here = (low <= u) & (u <= high)
+        values = chebval((2 * u[here] - low - high) / (high - low), coefficients)
+        energies |= dict(zip(np.array(periods)[here].tolist(), values.tolist(), strict=True))
+    return energies | {p: _energy_at(Tube(c0, p), 1, v) for p in periods if p not in energies}
 
 
 def _energy_at(tube: Tube, m: int, v: float) -> float | None:
@@ -93,15 +101,23 @@ def _energy_at(tube: Tube, m: int, v: float) -> float | None:
         return None
 
 
-def _row(case: tuple[float, float, float | None]) -> dict[str, object]:
-    c0, length, v = case
-    row = pearl_period(c0, length)
-    return row if v is None else row | least_energy(c0, length, v)
+def rows_of(c0: float, lengths: Sequence[float], v: float | None = None) -> list[dict[str, object]]:
+    """The rows of one ``c0``."""
+    rows = [found.period_row() for found in first_pearls(c0, lengths)[0]]
+    if v is None:
+        return rows
+    return [row | least for row, least in zip(rows, least_energies(c0, lengths, v), strict=True)]
 
 
-def scan(cases: list[tuple[float, float, float | None]], processes: int | None = None) -> Iterator[dict[str, object]]:
-    """Rows for cases ``(c0, length, v)``, in order, over processes (``studies.parallel``)."""
-    return in_processes(_row, cases, processes, _FEWEST_FOR_PROCESSES)
+def _rows(case: tuple[float, Sequence[float], float | None]) -> list[dict[str, object]]:
+    return rows_of(*case)
+
+
+def scan(
+    curvatures: Sequence[float], lengths: Sequence[float], v: float | None = None, processes: int | None = None
+) -> Iterator[list[dict[str, object]]]:
+    """The rows of each ``c0``, in order, over processes (``studies.parallel``)."""
+    return in_processes(_rows, [(c0, lengths, v) for c0 in curvatures], processes, _FEWEST_FOR_PROCESSES, 1)
 
 
 def pearl_periods(
@@ -118,7 +134,7 @@ def pearl_periods(
         c0: spontaneous curvature: a number, several, or a text like ``0.3,0.48``.
         lengths: tube lengths in radii, likewise (``7.5:120:0.5``).
         v: a reduced volume, to find the number of equal pearls of least energy at it, too; not 1.
-        processes: how many to use (``None``: as many as help).
+        processes: how many to use over the values of ``c0`` (``None``: as many as help).
         progress: show a bar on standard error (``None``: if that is a terminal).
 
     Returns:
@@ -132,16 +148,18 @@ def pearl_periods(
     lengths = as_numbers("lengths", lengths)
     if v is not None and positive("v", v) == 1:
         raise InputError("v: at v = 1 all pearls are the cylinder; give a volume above or below")
-    cases = [(value, Tube(value, length).length, v) for value in as_numbers("c0", c0) for length in lengths]
+    lengths = [Tube(0.0, length).length for length in lengths]
+    curvatures = as_numbers("c0", c0)
     processes = None if processes is None else whole("processes", processes)
     rows: list[dict[str, object]] = []
-    with progress_bar("tube", len(cases), shown=progress) as bar:
+    total = len(curvatures) * len(lengths)
+    with progress_bar("tube", total, shown=progress) as bar:
         try:
-            for row in scan(cases, processes):
-                rows.append(row)
-                bar.update()
+            for found in scan(curvatures, lengths, v, processes):
+                rows += found
+                bar.update(len(found))
         except KeyboardInterrupt:
-            say(f"interrupted: {len(rows)} of {len(cases)} rows are done and kept", begin="")
+            say(f"interrupted: {len(rows)} of {total} rows are done and kept", begin="")
     extra = [] if v is None else ["v", "pearls_least_energy", "E_least_energy"]
     table = pd.DataFrame(rows, columns=COLUMNS + extra)
     return table.astype({name: "Int64" for name in ("pearls", "pearls_least_energy") if name in table})

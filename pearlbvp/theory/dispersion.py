@@ -199,6 +199,24 @@ def critical_wave_number(c0: float) -> float:
     return math.sqrt(1 - math.sqrt(2 - 4 * c0)) if c0 > 0.25 else 0.0
 
 
+def stable_wave_numbers(c0: float, pearls: int) -> tuple[float, float]:
+    """Between which wave numbers that many pearls, 2 or more, are the first to appear on a straight tube they fill.
+
+    ``k`` and ``k'`` are neutral together where ``(k^2 - 1)(k'^2 - 1) = 2 (1 - 2 c0)``; the others that fit have
+    ``k' = k (1 +- 1/pearls)`` or lie beyond. For 1/4 < c0 < 1/2.
+
+    Example:
+        >>> k = stable_wave_numbers(0.48, 2)[1]
+        >>> round(float(critical_lambda2(k, 0, 0.48) - critical_lambda2(k / 2, 0, 0.48)), 12)
+        0.0
+    """
+    lowest = []
+    for other in ((1 + 1 / pearls) ** 2, (1 - 1 / pearls) ** 2):
+        half = (1 + other) / 2  # other kappa^2 - 2 half kappa + 1 - 2 (1 - 2 c0) = 0
+        lowest.append(math.sqrt((half - math.sqrt(half**2 - other * (4 * c0 - 1))) / other))
+    return lowest[0], lowest[1]
+
+
 def long_tube_interval(c0: float) -> tuple[float, float]:
     """The stable interval of ``lambda2`` as ``L`` tends to infinity (paper, Corollary destabcor).
 

@@ -7,7 +7,7 @@ import pytest
 from support.curves import Curve
 
 from pearlbvp.continuation import PathOptions, follow
-from pearlbvp.continuation.chebyshev import Unresolved, resolve
+from pearlbvp.continuation.chebyshev import Unresolved, in_pieces, resolve, series
 from pearlbvp.continuation.solution import Solution
 
 CIRCLE = Curve(lambda x, y: x**2 + y**2 - 1, lambda x, y: np.array([2 * x, 2 * y]))
@@ -103,3 +103,20 @@ def test_a_kink_between_two_points_is_unresolved():
 def test_steps_must_be_ordered():
     with pytest.raises(ValueError, match="min_step"):
         PathOptions(step=1.0, max_step=0.1)
+
+
+def test_an_interval_is_halved_until_what_is_not_smooth_lies_in_no_piece():
+    def resolved(low, high):
+        coefficients, error, _ = series(lambda t: np.array([abs(low + t * (high - low) - 0.3)]), 1e-12, 4, 8)
+        if error > 1e-12:
+            raise Unresolved("a kink")
+        return low, high, coefficients
+
+    wanted = np.linspace(0, 1, 200)
+    pieces = in_pieces(resolved, 0.0, 1.0, wanted, 10)
+    assert not any(low < 0.3 < high for low, high, _ in pieces)
+    assert sum(high - low for low, high, _ in pieces) > 0.9
+    for low, high, coefficients in pieces:
+        x = np.linspace(low, high, 5)
+        y = (2 * x - low - high) / (high - low)
+        np.testing.assert_allclose(np.polynomial.chebyshev.chebval(y, coefficients[:, 0]), abs(x - 0.3), atol=1e-14)

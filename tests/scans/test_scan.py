@@ -9,6 +9,7 @@ import time
 from concurrent.futures import Executor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
+import numpy as np
 import pandas as pd
 import pytest
 from support.commands import run
@@ -245,7 +246,7 @@ def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
 def test_units_are_answered_case_by_case_where_the_whole_fails(monkeypatch):
     question = Question("trial", ("c0",), ("c0", "status", "v", "message"), _fail_or_answer)
     monkeypatch.setitem(QUESTIONS, "trial", question)
-    outcomes = runs.answer(tuple(Case("trial", (float(i),)) for i in range(5)))
+    outcomes = runs.answer(tuple(Case("trial", (float(i),)) for i in range(5))).outcomes
     assert [outcome.status for outcome in outcomes] == ["done", "done", "done", "failed", "done"]
 
 
@@ -269,3 +270,22 @@ def test_tables_are_read_back_from_parquet(tmp_path, capsys):
     assert run(capsys, "scan", "localized", *question, "--store", store, "--workers", "1", "--out", table)[0] == 0
     expected = localized_pearls(0.48, 7.5, [15, 30])
     pd.testing.assert_frame_equal(pd.read_parquet(table), expected, check_dtype=False)
+
+
+def test_further_lengths_are_answered_from_the_series_that_are_kept(tmp_path, monkeypatch):
+    from pearlbvp.studies import pearl_series
+
+    scan("period", tmp_path / "s.sqlite", c0=[0.4], L="18:80:0.5", workers=1)
+
+    def refuse(*arguments):
+        raise AssertionError("a continuation")
+
+    monkeypatch.setattr(pearl_series.PearlSeries, "over", refuse)
+    monkeypatch.setattr(pearl_series, "losses_at", refuse)
+    periods = scan("period", tmp_path / "s.sqlite", c0=[0.4], L="18:80:0.25", workers=1)
+    assert (periods.localized_status == "found").all()
+    pearls = scan("localized", tmp_path / "s.sqlite", c0=[0.4], period="critical", L="18:80:0.25", workers=1)
+    np.testing.assert_allclose(pearls.v, periods.v_localized, atol=1e-9)
+    monkeypatch.undo()
+    row = periods[periods.L == 33.5].iloc[0]
+    assert localized_pearls(0.4, row.period, 33.5).v[0] == pytest.approx(row.v_localized, abs=1e-9)

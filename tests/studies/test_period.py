@@ -6,7 +6,7 @@ import pytest
 
 from pearlbvp.errors import InputError
 from pearlbvp.studies.localized import localized_pearls
-from pearlbvp.studies.period import COLUMNS, pearl_period, pearl_periods
+from pearlbvp.studies.period import COLUMNS, pearl_periods, rows_of
 from pearlbvp.theory.dispersion import critical_lambda2
 
 
@@ -36,10 +36,10 @@ def test_processes_change_nothing():
 
 
 def test_odd_cases_are_answers():
-    assert pearl_period(0.6, 30.0)["status"] == "no_stable_cylinder"
-    single = pearl_period(0.0, 10.0)
+    assert rows_of(0.6, [30.0])[0]["status"] == "no_stable_cylinder"
+    (single,) = rows_of(0.0, [10.0])
     assert (single["status"], single["pearls"], single["localized_status"]) == ("found", 1, "single_pearl")
-    short = pearl_period(0.48, 6.0)
+    (short,) = rows_of(0.48, [6.0])
     assert short["status"] == "none_in_range"
     assert "k < 1" in short["message"]
 
@@ -58,13 +58,13 @@ def test_no_bar_where_nobody_watches(capsys):
 def test_an_interrupted_scan_keeps_its_rows(monkeypatch, capsys):
     from pearlbvp.studies import period
 
-    def interrupted(cases, processes):
-        yield period.pearl_period(*cases[0][:2])
+    def interrupted(curvatures, lengths, v, processes):
+        yield period.rows_of(curvatures[0], lengths)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(period, "scan", interrupted)
-    assert len(pearl_periods(0.48, [15, 30], progress=False)) == 1
-    assert "1 of 2 rows" in capsys.readouterr().err
+    assert len(pearl_periods([0.3, 0.48], [15, 30], progress=False)) == 2
+    assert "2 of 4 rows" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

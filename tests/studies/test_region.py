@@ -6,7 +6,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.localized import localized_pearls
-from pearlbvp.studies.period import least_energy, pearl_periods
+from pearlbvp.studies.period import least_energies, pearl_periods
 from pearlbvp.studies.region import stability_region
 
 
@@ -34,7 +34,7 @@ def test_mistakes(arguments, name):
 
 @pytest.mark.parametrize("v", [1.02, 1.1])
 def test_least_energy_is_that_of_the_best_branch(v):
-    found = least_energy(0.48, 20.0, v)
+    (found,) = least_energies(0.48, [20.0], v)
     energies = {}
     for m in (1, 2, 3):
         last = family_branch(Tube(0.48, 20), "pearl", (m, 0), branch_options({"v": v})).table().iloc[-1]
