@@ -1,8 +1,9 @@
 """pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability.
 
 An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``flow``,
-``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``equilibria``, ``scan``; ``Units`` for
-physical tubes; ``solve_bvp`` and ``continue_bvp`` for one's own equations. Each name is imported when it is first asked for.
+``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``equilibria``, ``atlas``, ``scan``;
+``Units`` for physical tubes; ``solve_bvp`` and ``continue_bvp`` for one's own equations. Each name is imported when it is
+first asked for.
 """
 
 import os
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from pearlbvp._version import __version__
 
 if TYPE_CHECKING:
+    from pearlbvp import atlas
     from pearlbvp.branches import Branch, Solution
     from pearlbvp.bvp import continue_bvp, solve_bvp
     from pearlbvp.errors import InputError
@@ -37,6 +39,7 @@ _HOMES = {
     "Tube": "helfrich:Tube",
     "Units": "units:Units",
     "amplitude": "front:amplitude",
+    "atlas": "atlas:",
     "branch": "front:branch",
     "continue_bvp": "bvp:continue_bvp",
     "diagram": "front:diagram",
@@ -60,6 +63,7 @@ __all__ = [
     "Units",
     "__version__",
     "amplitude",
+    "atlas",
     "branch",
     "continue_bvp",
     "diagram",
@@ -81,7 +85,8 @@ def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'pearlbvp' has no attribute {name!r}; see dir(pearlbvp)")
     room, _, found = _HOMES[name].partition(":")
-    return getattr(import_module(f"pearlbvp.{room}"), found)
+    module = import_module(f"pearlbvp.{room}")
+    return getattr(module, found) if found else module
 
 
 def __dir__() -> list[str]:

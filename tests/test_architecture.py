@@ -10,6 +10,7 @@ ROOMS = [
     "cli",
     "commands",
     "figures",
+    "atlas",
     "studies",
     "flows",
     "shapes",

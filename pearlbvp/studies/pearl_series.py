@@ -13,7 +13,6 @@ import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -21,11 +20,12 @@ from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
 from pearlbvp.continuation import PathOptions, Solution, follow
-from pearlbvp.continuation.chebyshev import STEP, Unresolved, between, in_pieces, resolve, series
+from pearlbvp.continuation.chebyshev import Unresolved, in_pieces, resolve, series
 from pearlbvp.helfrich import Tube
 from pearlbvp.representation import brief
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.pearling import pearling_onset
+from pearlbvp.studies.amplitude_series import at_shares, first_losses
 from pearlbvp.studies.localized import (
     COSINE,
     FUNCTIONS,
@@ -67,9 +67,6 @@ beyond, the shortest are next to the period ``2 pi``, where none are.
 BEYOND = 1.1
 """By how much the series reaches further than the probes' squared amplitudes."""
 
-SAMPLES = 48
-"""Amplitudes between which a crossing is looked for."""
-
 
 def scaled(period: Array) -> Array:
     """The coordinate ``log(1/k^2 - 1)`` in which pearls change evenly from short to long ones."""
@@ -109,14 +106,30 @@ class PearlSeries:
     continuations: int
 
     @classmethod
-    def over(cls, c0: float, low: float, high: float) -> PearlSeries:
+    def over(
+        cls,
+        c0: float,
+        low: float,
+        high: float,
+        *,
+        reach: float | None = None,
+        degrees: tuple[int, int] = DEGREES,
+        tolerance: float = TOLERANCE,
+    ) -> PearlSeries:
         """The series over an interval of scaled periods.
+
+        Args:
+            c0: spontaneous curvature.
+            low, high: ends of the interval.
+            reach: largest squared amplitude; by default what two pearls need.
+            degrees: in the period, first and last.
+            tolerance: of the last coefficients.
 
         Raises:
             Unresolved: there is none: pearls cannot be followed so far, or the degree does not suffice.
         """
-        probes = [_stable_up_to(c0, unscaled(u)) for u in (low, (low + high) / 2, high)]
-        reach = BEYOND * max(float(probe[-1, SQUARE]) for probe in probes)
+        probes = [stable_up_to(c0, unscaled(u)) for u in (low, (low + high) / 2, high)]
+        end = reach or BEYOND * max(float(probe[-1, SQUARE]) for probe in probes)
         # What is looked up is where the cosine has a value: its error counts by the others' change over its own, of order 1.
         changes = max(float(np.ptp(probe[:, :SQUARE], axis=0).max()) for probe in probes)
         size = np.ones(len(FUNCTIONS))
@@ -124,15 +137,15 @@ class PearlSeries:
         clear = [math.inf]
 
         def sample(t: float) -> Array:
-            found, free = _up_to(c0, unscaled(low + t * (high - low)), reach)
+            found, free = _up_to(c0, unscaled(low + t * (high - low)), end)
             clear.append(free)
             return found / size
 
-        coefficients, error, count = series(sample, TOLERANCE, *DEGREES, hopeless=HOPELESS)
+        coefficients, error, count = series(sample, tolerance, *degrees, hopeless=HOPELESS)
         error = max(error, float((np.abs(coefficients[:, -2:]).max(axis=(0, 1))).max()))
-        if error > TOLERANCE:
+        if error > tolerance:
             raise Unresolved(f"pearls between two periods are resolved to {error:.1e} only")
-        return cls(c0, low, high, reach, min(clear), coefficients * size, error, count + PROBES)
+        return cls(c0, low, high, end, min(clear), coefficients * size, error, count + PROBES)
 
     def to_bytes(self) -> bytes:
         """All of it, as ``from_bytes`` takes it."""
@@ -164,55 +177,14 @@ class PearlSeries:
 
         The pearls are those that are stable at their onset. Not numbers where the series does not decide.
         """
-        c, levels = self.at(periods), 2 * np.cos(2 * np.pi / pearls)
-        squares = self.reach * np.linspace(0.0, 1.0, SAMPLES + 1) ** 2
-        y = 2 * squares / self.reach - 1
-        cosine, total = (_at_samples(c[:, :, function], y) for function in (COSINE, SUM))
-        slope, widening = (_at_samples(chebyshev.chebder(c[:, :, function]), y) for function in (COSINE, V))
-        # Two pearls: the factors of 2 cos(theta) + 2 change signs one after the other, and their sum between them.
-        turned = (pearls == 2) & (total * total[0] < 0)
-        passed = (cosine <= levels + 1e-12) | turned
-        end = passed.argmax(axis=0)
-        columns = np.arange(len(periods))
-        low, high = squares[np.maximum(end - 1, 0)], squares[end]
-        late = turned[end, columns] & (cosine[end, columns] > levels)
-        if late.any():
-            high[late] = self._crossing(c[:, late, SUM], 0 * levels[late], low[late], high[late])
-        found = self._crossing(c[:, :, COSINE], levels, low, high)
-        found[end == 0] = 0.0
-        before = np.arange(SAMPLES + 1)[:, None] <= end
-        dips = ((slope[:-1] < 0) & (slope[1:] > 0) & before[1:] & ~passed[1:]).any(axis=0)
-        rising = (np.where(before, widening * np.sign(widening[0]), np.inf) > 1e-3 * np.abs(widening[0])).all(axis=0)
-        decided = passed.any(axis=0) & ~dips & rising & (found < 0.9 * self.clear)
-        values = np.column_stack([_at(c[:, :, i], 2 * found / self.reach - 1) for i in range(len(FUNCTIONS))])
-        values[:, SQUARE] = found
-        values[~decided] = np.nan
+        c = self.at(periods)
+        share = first_losses(c, pearls)
+        values = at_shares(c, share)
+        values[~(share * self.reach < 0.9 * self.clear)] = np.nan
         return values
 
-    def _crossing(self, c: Array, levels: Array, low: Array, high: Array) -> Array:
-        """The squared amplitudes at which falling functions with coefficients (A, K) take their levels."""
-        slopes = chebyshev.chebder(c, scl=2 / self.reach)
 
-        def with_slope(squared: Array) -> tuple[Array, Array]:
-            y = 2 * squared / self.reach - 1
-            return _at(c, y), _at(slopes, y)
-
-        return between(with_slope, levels, low, high, with_slope(low)[0] < levels, STEP * self.reach)
-
-
-def _at_samples(c: NDArray[Any], y: Array) -> Array:
-    """Values of K series with coefficients (A, K) at the same places (S,): shape (S, K)."""
-    found: Array = chebyshev.chebvander(y, len(c) - 1) @ c
-    return found
-
-
-def _at(c: NDArray[Any], y: Array) -> Array:
-    """Values of K series with coefficients (A, K), each at its own place (K,)."""
-    found: Array = chebyshev.chebval(y, c, tensor=False)
-    return found
-
-
-def _stable_up_to(c0: float, period: float) -> Array:
+def stable_up_to(c0: float, period: float) -> Array:
     """The functions of pearls at onset and where two of them lose stability.
 
     Raises:
@@ -236,14 +208,14 @@ def _up_to(c0: float, period: float, reach: float) -> tuple[Array, float]:
     def stop(point: Solution[PearlProblem]) -> str | None:
         if point.observables["r_min"] < THINNEST_NECK:
             return "neck"
-        return "reached" if functions_of(point.problem, point.u)[SQUARE] >= reach else None
+        return "reached" if point.observables["amplitude"] ** 2 >= reach else None
 
     path = follow(Solution(problem, u, tangent), PathOptions(step=0.1), stop)
     if path.reason != "reached":
         raise Unresolved(f"pearls of period {period:g} do not reach the amplitude of the others: {path.reason}")
     along = resolve(path.points, functions_of, pitchfork=True)
-    waves = [functions_of(point.problem, point.u)[SQUARE] for point in path.points[1:] if has_wave_around(point)]
-    clear = float(min(waves, default=math.inf))
+    waves = [point.observables["amplitude"] ** 2 for point in path.points[1:] if has_wave_around(point)]
+    clear = min(waves, default=math.inf)
     squares = reach * (1 - np.cos(np.pi * np.arange(AMPLITUDES) / (AMPLITUDES - 1))) / 2
     x = np.append(0.0, along.first_crossings(SQUARE, squares[1:]))
     if along.crossings(SQUARE, derivative=1).size:
@@ -293,5 +265,5 @@ def losses(
 
 def band(c0: float) -> tuple[float, float]:
     """The scaled periods between which some number of pearls, 2 or more, is stable at onset: those of two."""
-    short, long = (2 * math.pi / k for k in reversed(stable_wave_numbers(c0, 2)))
-    return float(scaled(np.array(short))), float(scaled(np.array(long)))
+    long, short = stable_wave_numbers(c0, 2)
+    return float(scaled(2 * math.pi / short)), float(scaled(2 * math.pi / long))

@@ -199,22 +199,23 @@ def critical_wave_number(c0: float) -> float:
     return math.sqrt(1 - math.sqrt(2 - 4 * c0)) if c0 > 0.25 else 0.0
 
 
-def stable_wave_numbers(c0: float, pearls: int) -> tuple[float, float]:
+def stable_wave_numbers(c0: ArrayLike, pearls: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Between which wave numbers that many pearls, 2 or more, are the first to appear on a straight tube they fill.
 
     ``k`` and ``k'`` are neutral together where ``(k^2 - 1)(k'^2 - 1) = 2 (1 - 2 c0)``; the others that fit have
-    ``k' = k (1 +- 1/pearls)`` or lie beyond. For 1/4 < c0 < 1/2.
+    ``k' = k (1 +- 1/pearls)`` or lie beyond. For 1/4 < c0 < 1/2. Broadcasts.
 
     Example:
         >>> k = stable_wave_numbers(0.48, 2)[1]
         >>> round(float(critical_lambda2(k, 0, 0.48) - critical_lambda2(k / 2, 0, 0.48)), 12)
         0.0
     """
-    lowest = []
-    for other in ((1 + 1 / pearls) ** 2, (1 - 1 / pearls) ** 2):
-        half = (1 + other) / 2  # other kappa^2 - 2 half kappa + 1 - 2 (1 - 2 c0) = 0
-        lowest.append(math.sqrt((half - math.sqrt(half**2 - other * (4 * c0 - 1))) / other))
-    return lowest[0], lowest[1]
+    share, c0 = 1 / np.asarray(pearls, dtype=float), np.asarray(c0, dtype=float)
+    others = (1 + share) ** 2, (1 - share) ** 2  # other kappa^2 - (1 + other) kappa + 1 - 2 (1 - 2 c0) = 0
+    low, high = (
+        np.sqrt(((1 + other) / 2 - np.sqrt((1 + other) ** 2 / 4 - other * (4 * c0 - 1))) / other) for other in others
+    )
+    return low, high
 
 
 def long_tube_interval(c0: float) -> tuple[float, float]:
