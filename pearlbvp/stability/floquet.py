@@ -56,7 +56,7 @@ def multipliers(profile: Profile, n: int, mu: float = 0.0) -> NDArray[np.complex
     a0, a1 = transfer_pencil(profile.states.scheme, np.diff(profile.states.mesh), jacobi_matrices(profile, n, mu))
     if profile.half:
         a0, a1 = _unfolded(a0, a1)
-    with np.errstate(divide="ignore"):  # by an infinite multiplier's zero
+    with np.errstate(divide="ignore", invalid="ignore"):  # by an infinite multiplier's zero, which may be complex
         rho = np.asarray(SHIFT + 1 / np.linalg.eigvals(np.linalg.solve(-a0 - SHIFT * a1, a1)))
     return rho[np.argsort(np.abs(rho))]
 

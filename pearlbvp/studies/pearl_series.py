@@ -218,7 +218,7 @@ def _up_to(c0: float, period: float, reach: float) -> tuple[Array, float]:
     clear = min(waves, default=math.inf)
     squares = reach * (1 - np.cos(np.pi * np.arange(AMPLITUDES) / (AMPLITUDES - 1))) / 2
     x = np.append(0.0, along.first_crossings(SQUARE, squares[1:]))
-    if along.crossings(SQUARE, derivative=1).size:
+    if not np.isfinite(x).all() or along.crossings(SQUARE, derivative=1).size:
         raise Unresolved(f"the amplitude of pearls of period {period:g} turns back")
     found = along(x)
     polynomials = chebyshev.chebvander(2 * squares / reach - 1, AMPLITUDES - 1)

@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import commands  # noqa: F401  each registers its rows
 import robustness  # noqa: F401
 import scans  # noqa: F401
+import series  # noqa: F401
 from rows import ROWS
 
 import pearls  # noqa: F401

@@ -19,6 +19,8 @@ COMMANDS = {
     PEARLS: 1.5,
     "branch ring --c0=-1 --length 10": 1.5,
     "branch coil --c0 0 --length 10 --until v=0.94": 1.5,
+    "period --c0 0.3,0.48 --lengths 7.5:120:0.5 --processes 1": 2.0,
+    "period --c0 0.48 --lengths 7.5:1007.4:0.1 --processes 1": 4.0,
     f"flow --from {FOLDER / 'b.h5'} --perturb critical --delta 0.02 --keep": 1.5,
 }
 """Limits of their CPU seconds."""
