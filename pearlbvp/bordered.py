@@ -76,8 +76,11 @@ class Pinned:
             self, columns, rows, corner, borders, lower[:, free], np.asarray(np.linalg.inv(schur), dtype=np.float64)
         )
 
-    def negative(self, rows: Array) -> int:
-        """Negative eigenvalues of the matrix on the vectors that all ``rows``, shape (q, V) and independent, annihilate.
+    def negative(self, rows: Array, corner: Array) -> int:
+        """Negative eigenvalues of the matrix ``(K, rows^T; rows, corner)`` beyond one a row.
+
+        Those of the matrix on the vectors that all ``rows``, shape (q, V) and independent, annihilate, where ``corner`` is 0;
+        a row whose diagonal entry there is -1 adds its outer product to the matrix instead.
 
         Raises:
             numpy.linalg.LinAlgError: the factors do not tell.
@@ -86,6 +89,7 @@ class Pinned:
         lower = np.vstack((self.matrix[self.pins].toarray(), rows))
         count = len(self.pins)
         schur = -lower[:, self.free] @ borders
+        schur[count:, count:] += corner
         schur[:count, :count] += self.matrix[self.pins][:, self.pins].toarray()
         schur[count:, :count] += rows[:, self.pins]
         schur[:count, count:] += rows[:, self.pins].T

@@ -13,10 +13,11 @@ TIME, RATE, VELOCITY = Dimension(time=1), Dimension(time=-1), Dimension(1, -1)
 
 QUANTITIES: Mapping[str, Dimension] = {
     **dict.fromkeys(("L", "length", "lengths", "period", "periods", "x", "r", "y", "z", "r_min", "r_max", "amplitude", "wave",
-                     "gap", "delta", "centre", "shape", "edge", "M"), LENGTH),
+                     "gap", "delta", "centre", "shape", "edge", "M", "M0"), LENGTH),
     **dict.fromkeys(("k", "H"), CURVATURE), "c0": SPONTANEOUS, "force": FORCE, "torque": ENERGY,
     **dict.fromkeys(("lambda1", "E", "E_least_energy"), TENSION),
-    **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "pressure"), PRESSURE),
+    **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "pressure",
+                     "osmolarity"), PRESSURE),
     **dict.fromkeys(("lambda1_predicted", "E_predicted"), TENSION), "lambda2_predicted": PRESSURE,
     **dict.fromkeys(("A", "wave_predicted"), LENGTH), "a": Dimension(3, -1, -1), "alpha2": Dimension(-4, energy=1),
     **dict.fromkeys(("b", "b1", "b2"), Dimension(-2, -1)),
@@ -36,6 +37,7 @@ AXES: Mapping[str, str] = {
     "L": "length L", "x": "axial position x", "k": "wave number k", "c0": "spontaneous curvature c0",
     "v": "reduced volume v", "E": "energy by area E/A", "lambda1": "tension lambda1", "lambda2": "pressure lambda2",
     "force": "axial force", "torque": "torque", "M": "integrated mean curvature M",
+    "osmolarity": "osmotic pressure outside", "M0": "preferred integrated mean curvature M0",
     "t": "time t", "velocity": "largest velocity", "r": "distance from the axis",
 }  # fmt: skip
 """What the axes of pictures say of quantities, before their units."""

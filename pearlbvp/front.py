@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from pearlbvp.branches import Branch, Until, check_names, followed_by
 from pearlbvp.continuation import branch as core
 from pearlbvp.continuation import solution as solutions
-from pearlbvp.helfrich import Fixed, Tube, WaveNumbers, known_tube
+from pearlbvp.held import Held
+from pearlbvp.helfrich import Tube, WaveNumbers, known_tube
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,7 +31,7 @@ def branch(
     until: Until | None = None,
     nodes: int | None = None,
     discretization: Discretization | None = None,
-    fixed: Fixed = "area and volume",
+    fix: str | Held = "area,volume",
     tolerance: float | None = None,
     **how: Any,
 ) -> Branch:
@@ -43,7 +44,8 @@ def branch(
         until: where to stop: ``{"v": 1.1}`` for a column's value, ``{"bp": 1}`` for the first branch point.
         nodes: on a triangulated tube of about so many vertices.
         discretization: ``subdivision`` or ``cotangent`` with ``nodes``; ``modes`` for reduced modes.
-        fixed: what the perturbations keep that stability is judged by.
+        fix: what is held while stability is judged: ``area,volume``, or ``tension`` for ``area``; ``pressure`` or ``osmotic=N``
+            for ``volume``; ``force`` for ``length``; ``ade=ALPHA`` besides (``held.known_held``).
         tolerance: estimated error of the profile at which its mesh is refined, of pearls and rings.
         how: ``max_points`` (200), ``step`` (first) and ``max_step`` (0.5) along the branch.
 
@@ -61,7 +63,7 @@ def branch(
 
     def follow(options: Any) -> core.Branch[Any]:
         return family_branch(
-            tube, family, mode, options, nodes=nodes, discretization=discretization, fixed=fixed, tolerance=tolerance
+            tube, family, mode, options, nodes=nodes, discretization=discretization, fix=fix, tolerance=tolerance
         )
 
     return followed_by(follow, until, how)

@@ -10,12 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 from pearlbvp.errors import InputError
-
-Fixed = Literal["area and volume", "area", "nothing"]
-"""What perturbations must keep; with the area alone, the pressure difference is given."""
 
 WaveNumbers = tuple[int, int]
 """Whole waves ``m`` along the tube and ``n`` around it."""

@@ -8,14 +8,16 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.problem import Problem
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed, Tube, WaveNumbers, finite
+from pearlbvp.force import with_force
+from pearlbvp.held import Held
+from pearlbvp.helfrich import Tube, WaveNumbers, finite
 
 if TYPE_CHECKING:
     from pearlbvp.mesh.periodic import PeriodicMesh
@@ -50,8 +52,8 @@ class MembraneProblem(Problem):
 
     @property
     @abstractmethod
-    def fixed(self) -> Fixed:
-        """What perturbations keep, for stability."""
+    def held(self) -> Held:
+        """What is held while stability is judged."""
 
     @abstractmethod
     def largest_wave(self, u: Array) -> float:
@@ -118,10 +120,20 @@ class MembraneProblem(Problem):
 
     @property
     def conserved(self) -> str:
-        """Of what perturbations keep (``v``, or ``lambda2`` at given pressure, and ``c0``, ``L``), what varies here."""
-        kept = ("v" if self.fixed == "area and volume" else "lambda2", "c0", "L")
-        both = [name for name in kept if name in self.varying]
-        return both[0] if len(both) == 1 else ""
+        """The one thing that varies here of those that are set (``Held.controls``); empty where several do."""
+        varying = {*self.varying, "osmolarity", "M0"}  # what laws are set to varies with all else
+        found = [name for name in self.held.controls if name in varying]
+        return found[0] if len(found) == 1 else ""
+
+    @property
+    def walls(self) -> Mapping[str, tuple[float, str]]:
+        """No branch goes on where nothing holds it."""
+        return self.held.walls
+
+    def completed(self, observed: dict[str, float]) -> dict[str, float]:
+        """Observables with the axial force, and with what reservoirs with laws are set to."""
+        observed = with_force(observed)
+        return observed | self.held.observed(observed)
 
 
 def checked_tolerance(tolerance: float | None, usual: float) -> float:
@@ -133,18 +145,6 @@ def checked_tolerance(tolerance: float | None, usual: float) -> float:
     if tolerance is not None and not 1e-13 <= finite("tolerance", tolerance) <= 1e-3:
         raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3; give one like {usual:g}")
     return usual if tolerance is None else tolerance
-
-
-def fixed_of_tree(tree: Mapping[str, Any]) -> Fixed:
-    """What perturbations keep, as a file says.
-
-    Raises:
-        ValueError: it says something else.
-    """
-    fixed: Fixed = tree["fixed"]
-    if fixed not in get_args(Fixed):
-        raise ValueError(f"fixed: {fixed!r} is none of {get_args(Fixed)}")
-    return fixed
 
 
 def repeated(surface: Grid, period: float, count: int) -> Grid:
@@ -188,7 +188,7 @@ class Family:
         name: in a word, as users write it.
         mode: waves along and around the tube unless others are given.
         modes: which there are, for messages: ``m,0``.
-        start: makes of the tube, the mode, what perturbations keep and an accuracy (None for the family's own) where its
+        start: makes of the tube, the mode, what is held and an accuracy (None for the family's own) where its
             shapes leave the straight tube; raises ``InputError`` where they do not.
         problem: the class of its problems, to read them from files.
         accurate: whether it takes an accuracy.
@@ -197,6 +197,6 @@ class Family:
     name: str
     mode: WaveNumbers
     modes: str
-    start: Callable[[Tube, WaveNumbers, Fixed, float | None], Start]
+    start: Callable[[Tube, WaveNumbers, Held, float | None], Start]
     problem: type[MembraneProblem]
     accurate: bool = False

@@ -2,12 +2,11 @@
 
 import math
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 from support.other_tubes import derivative, on_tube, stretched
-from support.pearls import at, path
+from support.shapes import SHAPES, pearl, shape
 
 import pearlbvp as pb
 from pearlbvp.helfrich import cylinder_force
@@ -17,31 +16,6 @@ from pearlbvp.shapes import axisymmetric
 from pearlbvp.studies.branch import straight_values
 from pearlbvp.studies.mesh import meshed
 from pearlbvp.theory.dispersion import critical_lambda2
-
-
-@cache
-def shape(family, c0, length, v, mode=None):
-    """A point of a branch in its own discretization."""
-    return pb.branch(pb.Tube(c0, length), family, mode, until={"v": v})[-1]
-
-
-def known(*which):
-    point = shape(*which)
-    return point.problem, point.u
-
-
-def pearl(c0, period, v):
-    return at(path(c0, period, max(v, 1.05)), "v", v)
-
-
-SHAPES = {
-    "pearl": lambda: pearl(0.0, 10, 1.05),
-    "short pearl": lambda: pearl(0.48, 7.5, 1.02),
-    "pearl of negative c0": lambda: pearl(-0.8, 9.0, 1.03),
-    "coil": lambda: known("coil", 0.3, 10, 0.93),
-    "buckle": lambda: known("buckle", 0.3, 8, 0.97),
-    "ring": lambda: known("ring", -1.0, 10, 0.9, (0, 3)),
-}
 
 
 @pytest.mark.parametrize("name", SHAPES)

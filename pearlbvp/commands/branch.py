@@ -10,7 +10,6 @@ from pearlbvp.commands.arguments import FamilyName, ModeNumbers, Nodes, Number, 
 from pearlbvp.commands.command import Command, Option
 from pearlbvp.commands.following import Following, following, save_option
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed
 
 
 @click.command(
@@ -19,6 +18,7 @@ from pearlbvp.helfrich import Fixed
     "pearlbvp branch ring --c0=-1 --length 10 --mode 0,3 --plot r.png  |  "
     "pearlbvp branch coil --c0 0.48 --length 10 --until v=0.85 --save c.h5  |  "
     "pearlbvp branch coil --c0 0 --length 10 --nodes 1500 --until v=0.95 --save m.h5 --plot m.png  |  "
+    "pearlbvp branch pearl --c0 0.3 --length 10 --fix tension,osmotic=50 --until v=1.1  |  "
     "pearlbvp branch pearl --c0 0.75 --length 10 --shape=-0.3,0.5 --volume 1.0 --until v=1.1",
 )
 @click.argument("family", type=FamilyName())
@@ -70,7 +70,14 @@ from pearlbvp.helfrich import Fixed
     show_default=True,
     help="With --shape: periods on the tube that stability is judged on; L is that of one.",
 )
-@click.option("--pressure", is_flag=True, help="Stability at fixed area and given pressure, not fixed volume.")
+@click.option(
+    "--fix",
+    default="area,volume",
+    show_default=True,
+    metavar="WHAT",
+    help="What is held while stability is judged: area or tension, volume, pressure or osmotic=N, length or force, ade=ALPHA.",
+)
+@click.option("--pressure", cls=Option, excludes=("fix",), is_flag=True, help="The same as --fix area,pressure.")
 @save_option
 @following
 def branch(
@@ -84,6 +91,7 @@ def branch(
     shape: list[float] | None,
     volume: float | None,
     cells: int,
+    fix: str,
     pressure: bool,
     **how: Any,
 ) -> int:
@@ -94,7 +102,11 @@ def branch(
     and its wave number j per periods on the tube; of rings, coils and buckles its symmetry), c0, L, mu_error (of
     growth rates, as rigid motions show it), wave (2A of the largest wave cos(kx + n phi) of the surface over the straight tube,
     empty where the axis is not inside of it), M (integral of the mean curvature), force (along the axis, dE/dL at fixed
-    area and volume), of coils torque (dE/d(twist)).
+    area and volume), of coils torque (dE/d(twist)), with --fix osmotic=N osmolarity (lambda2 + N/V), with ade=ALPHA M0.
+
+    With --fix tension the membrane comes from a reservoir, with pressure the water, with osmotic=N water only (N of solute
+    stays inside, nRT/Vr by 2 kappa), with force the ends are pulled, not held, and ade=ALPHA adds area-difference elasticity:
+    the same shapes, another stability.
 
     Special points are numbered from the branch's start (with --shape: from the shape, either way), as `switch`, `follow`
     and `show` number them, also where `resume` goes on.
@@ -114,10 +126,10 @@ def branch(
     asked = Following(**how).checked()
     if shape is not None and family != "pearl":
         raise InputError(f"--shape: it is for pearls only; leave it out with {family}")
-    tube, fixed = asked.units.tube(c0, length), _fixed(pressure)
+    tube, fix = asked.units.tube(c0, length), "area,pressure" if pressure else fix
     if shape is not None:
         waves = [asked.units.from_user("shape", amplitude) for amplitude in shape]
-        return asked.run(lambda options: _of_shape(tube, volume, waves, options, cells, fixed, tolerance))
+        return asked.run(lambda options: _of_shape(tube, volume, waves, options, cells, fix, tolerance))
     if nodes is not None:
         check_meshable(tube.length)
 
@@ -126,19 +138,14 @@ def branch(
 
         kind = None if nodes is None else discretization
         return family_branch(
-            tube, family, mode, options, nodes=nodes, discretization=kind, fixed=fixed, tolerance=tolerance
+            tube, family, mode, options, nodes=nodes, discretization=kind, fix=fix, tolerance=tolerance
         )
 
     return asked.run(follow, "; the other half of this branch has the same shapes")
 
 
-def _of_shape(tube: Any, volume: Any, waves: Any, options: Any, cells: int, fixed: Any, tolerance: Any) -> Any:
+def _of_shape(tube: Any, volume: Any, waves: Any, options: Any, cells: int, fix: str, tolerance: Any) -> Any:
     """The branch through a shape of least energy."""
     from pearlbvp.studies.shape import shape_branch
 
-    return shape_branch(tube.c0, tube.length, volume, waves, options, cells=cells, fixed=fixed, tolerance=tolerance)
-
-
-def _fixed(pressure: bool) -> Fixed:
-    """What perturbations keep."""
-    return "area" if pressure else "area and volume"
+    return shape_branch(tube.c0, tube.length, volume, waves, options, cells=cells, fix=fix, tolerance=tolerance)

@@ -174,8 +174,11 @@ def events_between(
         segment.refine(segment.length / 2)
     turns = _turning(behind.slopes, last.slopes, folds)
     turn = None
-    if problem.conserved in turns:
-        turn = _fold(segment, problem.conserved, turns.pop(problem.conserved))
+    name = problem.conserved or next(
+        iter(turns), ""
+    )  # where several things that perturbations keep vary, any that turns
+    if name in turns:
+        turn = _fold(segment, name, turns.pop(name))
         own = any(block == problem.trivial_block for block, *_ in crossings)
         if turn.converged and not own and _is_symmetric(turn, last):
             # What turns, turns without a change of stability: the branch passes through a more symmetric solution, and all

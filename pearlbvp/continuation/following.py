@@ -109,7 +109,8 @@ class _Run(Generic[P]):
         self.start, self.options, self.at_bifurcation = start, options, at_bifurcation
         self.points: list[Solution[P]] = []
         self.special: list[SpecialPoint] = [SpecialPoint("start", 0)]
-        self.watched = [name for name in options.watched if name not in start.problem.constant]
+        watched = [name for name in options.watched if name not in start.problem.constant]
+        self.watched = list(dict.fromkeys((*watched, start.problem.conserved) if start.problem.conserved else watched))
 
     def so_far(self) -> Branch[P]:
         """What there is of it."""

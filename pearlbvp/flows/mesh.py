@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
@@ -24,7 +24,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.factorization import factorized
 from pearlbvp.flows.last import Last
 from pearlbvp.flows.problem import Law, Trouble, check_law
-from pearlbvp.helfrich import Fixed
+from pearlbvp.held import Held
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -57,9 +57,8 @@ def mesh_flow(
         functional: that on the mesh, where there is one already.
         others: further attributes of the ``MeshProblem``.
     """
-    fixed: Fixed = "area" if law == "area" else "area and volume"
     on_mesh = Functional(mesh, kind) if functional is None else functional.on(mesh)
-    reference = MeshProblem(on_mesh, np.zeros((0, mesh.count)), c0, fixed, **others)
+    reference = MeshProblem(on_mesh, np.zeros((0, mesh.count)), c0, Held(volume=law != "area"), **others)
     return MeshFlow(reference, law, pressure)
 
 
@@ -309,4 +308,4 @@ class MeshFlow:
     def from_tree(cls, tree: Mapping[str, Any]) -> MeshFlow:
         """The inverse of ``to_tree``."""
         reference = MeshProblem.from_tree({**tree, "kind": str(tree["discretization"])})
-        return cls(replace(reference, fixed=str(tree["fixed"])), str(tree["law"]), float(tree["pressure"]))  # type: ignore[arg-type]
+        return cls(reference, str(tree["law"]), float(tree["pressure"]))  # type: ignore[arg-type]

@@ -23,6 +23,7 @@ from scipy import sparse
 
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import spread
+from pearlbvp.held import Quantities
 from pearlbvp.mesh.limit import limit_mass, limit_sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals, volume_gradient
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -192,6 +193,12 @@ class Functional:
         (at_zero, area, _), (slope_at_zero, by_area, _) = self.sums(vertices, directions, 0.0)
         (at_one, *_), (slope_at_one, *_) = self.sums(vertices, directions, 1.0)
         return float(at_zero - at_one + area) / 2, (slope_at_zero - slope_at_one + by_area) / 2
+
+    def quantities(self, vertices: Array, directions: Array, sums: Sums, p: Array) -> Quantities:
+        """Area, volume and integrated mean curvature, from the sums at the same place, with coefficients ``p``."""
+        curvature, by_curvature = self.curvature(vertices, directions)
+        gradients = np.vstack((sums.gradients[1:], by_curvature))
+        return Quantities(np.append(sums.values[1:], curvature), gradients, p, 1.0)
 
     def hessian(
         self, vertices: Array, directions: Array, c0: float, lambda1: float, lambda2: float

@@ -23,9 +23,8 @@ from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Pinned
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.errors import SpectrumError
-from pearlbvp.force import with_force
-from pearlbvp.helfrich import Fixed
+from pearlbvp.errors import InputError, SpectrumError
+from pearlbvp.held import AREA_AND_VOLUME, Held, known_held
 from pearlbvp.membrane import MembraneProblem
 from pearlbvp.mesh.adaptation import (
     AdaptOptions,
@@ -42,7 +41,7 @@ from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.mesh.sections import radii
-from pearlbvp.mesh.spectrum import NEUTRAL, MeshBlock, Modes, independent, leading, smoothing
+from pearlbvp.mesh.spectrum import NEUTRAL, MeshBlock, Modes, independent, perturbations, smoothing
 from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.mesh.symmetry import mean, orbits
 from pearlbvp.newton import NewtonOptions
@@ -66,7 +65,7 @@ class MeshProblem(MembraneProblem):
         functional: energy, area and volume on the reference mesh.
         phases: rows that the displacement must be orthogonal to, shape (P, V).
         c0: spontaneous curvature.
-        fixed: what perturbations keep, for stability.
+        held: what is held while stability is judged.
         adapt: when and how the mesh is adapted.
         orbits: number of each vertex's orbit under the symmetry that the surface keeps, shape (V,); None without one.
     """
@@ -81,9 +80,13 @@ class MeshProblem(MembraneProblem):
     functional: Functional
     phases: Array
     c0: float
-    fixed: Fixed = "area and volume"
+    held: Held = AREA_AND_VOLUME
     adapt: AdaptOptions = field(default_factory=AdaptOptions)
     orbits: Integers | None = None
+
+    def __post_init__(self) -> None:
+        if not self.held.length:
+            raise InputError("fix: a mesh keeps its length, so that no force is given; leave out force, or nodes")
 
     @property
     def length(self) -> float:
@@ -175,7 +178,7 @@ class MeshProblem(MembraneProblem):
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,
             "M": self.functional.curvature(self.vertices(u), self.directions)[0],
         }  # fmt: skip
-        return with_force(observed)
+        return self.completed(observed)
 
     def largest_wave(self, u: Array) -> float:
         """``2 A`` of the largest wave (``projection``)."""
@@ -205,16 +208,8 @@ class MeshProblem(MembraneProblem):
             u: the solution.
             counts: rates wanted of some blocks besides as many as are positive.
         """
-        vertices = self.vertices(u)
-        second, sums = self.functional.hessian(vertices, self.directions, self.c0, u[-3], u[-2])
-        mass, motions = self.functional.normal_mass(vertices, self.directions)
-        kept = sums.gradients[1:] if self.fixed == "area and volume" else sums.gradients[1:2]
-        unit = kept / np.linalg.norm(kept, axis=1)[:, None] * np.linalg.norm(motions[1])
-        smoothed = smoothing(second, mass, self.pins)
-        constraints, _ = independent(unit, smoothed, mass)
-        rigid, moved = independent(motions, smoothed, mass)
-        modes = leading(second, mass, np.vstack((constraints, rigid)), self.pins, counts, self.orbits)
-        return replace(modes, residual=float(np.abs(np.linalg.eigvalsh(moved.T @ (second @ moved))).max()))
+        parameters = u[-3], u[-2], self.c0
+        return perturbations(self.functional, self.vertices(u), parameters, self.held, counts, self.orbits)
 
     def modes(self, u: Array, count: int = RATES) -> tuple[Array, Array, int]:
         """Leading growth rates, their displacements as columns, shape (V, count), and the number of positive rates."""
@@ -243,7 +238,7 @@ class MeshProblem(MembraneProblem):
             return None
         mesh, fields, options = found
         functional = self.functional.on(mesh)
-        problem, moved = about(functional, self.c0, u[-3:], fixed=self.fixed, adapt=options)
+        problem, moved = about(functional, self.c0, u[-3:], held=self.held, adapt=options)
         vectors = [moved]
         for vector, moves in zip(others, fields, strict=True):
             along = np.einsum("ix,ix->i", moves, problem.directions)
@@ -357,7 +352,7 @@ class MeshProblem(MembraneProblem):
     def to_tree(self) -> dict[str, Any]:
         """Everything as arrays, numbers and words, to be saved."""
         return self.mesh.to_tree() | self.adapt.to_tree() | {
-            "phases": self.phases, "c0": self.c0, "kind": self.kind, "fixed": self.fixed
+            "phases": self.phases, "c0": self.c0, "kind": self.kind, "held": str(self.held)
         } | ({} if self.orbits is None else {"orbits": self.orbits})  # fmt: skip
 
     @classmethod
@@ -366,7 +361,7 @@ class MeshProblem(MembraneProblem):
         mesh = PeriodicMesh(tree["vertices"], tree["triangles"], tree["wraps"], float(tree["length"]))
         phases, adapt = np.asarray(tree["phases"], dtype=float), AdaptOptions.from_tree(tree)
         labels = np.asarray(tree["orbits"], dtype=np.int64) if "orbits" in tree else None
-        return cls(Functional(mesh, tree["kind"]), phases, float(tree["c0"]), tree["fixed"], adapt, labels)
+        return cls(Functional(mesh, tree["kind"]), phases, float(tree["c0"]), known_held(tree["held"]), adapt, labels)
 
 
 def phase_rows(problem: MeshProblem, u: Array) -> Array:

@@ -1,6 +1,6 @@
-"""Growth rates of a triangulated tube at fixed area and volume, and how many are positive.
+"""Growth rates of a triangulated tube, and how many are positive.
 
-``second variation w = -mu mass w`` on the displacements that keep area and volume and contain no rigid motion. The count
+``second variation w = -mu mass w`` on the displacements that keep what is held and contain no rigid motion. The count
 is the inertia of the bordered matrix and owes nothing to iterations; the rates nearest zero come from Lanczos' method on
 its inverse. Each checks the other. Where a mesh and its surface are symmetric, displacements that keep the symmetry and
 those that break it are found apart: projections commute with all matrices.
@@ -9,8 +9,8 @@ those that break it are found apart: projections commute with all matrices.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +21,8 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Bordered, Pinned
 from pearlbvp.constrained import lifted, restricted
+from pearlbvp.held import Held, Stiffness, coefficients
+from pearlbvp.mesh.functional import Functional
 from pearlbvp.mesh.symmetry import mean
 from pearlbvp.representation import brief
 
@@ -117,6 +119,7 @@ def leading(
     pins: Integers,
     counts: Mapping[MeshBlock, int],
     orbits: Integers | None = None,
+    stiff: Sequence[Stiffness] = (),
 ) -> Modes:
     """The growth rates nearest zero and all positive ones, on what the rows annihilate.
 
@@ -127,17 +130,20 @@ def leading(
         pins: vertices for the factorization.
         counts: how many rates of each block are wanted besides as many as are positive.
         orbits: of the symmetry, shape (V,).
+        stiff: what reservoirs add to the second variation.
 
     Raises:
         numpy.linalg.LinAlgError: the matrix is singular, or Lanczos' method did not converge.
     """
     pinned = Pinned.of(second, pins)
-    unstable = pinned.negative(rows)
-    inverse = Inverse.of(pinned, rows, second, mass)
+    borders = np.vstack((rows, *(math.sqrt(factor) * row for row, factor in stiff)))
+    corner = -np.diag(np.repeat((0.0, 1.0), (len(rows), len(stiff))))
+    unstable = pinned.negative(borders, corner)
+    inverse = Inverse.of(pinned, borders, corner, second, mass)
     wanted = {block: unstable + count for block, count in counts.items()}
     while True:
         found = {
-            block: _of_symmetry(second, mass, rows, orbits, number)
+            block: _of_symmetry(second, mass, rows, orbits, number, stiff)
             if block.name == "symmetric" and orbits is not None and orbits.max() < DENSE
             else _nearest_zero(second, mass, inverse, number, _projection(block, orbits))
             for block, number in wanted.items()
@@ -146,6 +152,36 @@ def leading(
         if modes.complete or len(counts) < (1 if orbits is None else 2) or min(wanted.values()) >= second.shape[0] // 2:
             return modes  # one block of two cannot be compared with the inertia
         wanted = {block: 2 * number for block, number in wanted.items()}
+
+
+def perturbations(
+    functional: Functional,
+    vertices: Array,
+    parameters: tuple[float, float, float],
+    held: Held,
+    counts: Mapping[MeshBlock, int],
+    orbits: Integers | None,
+) -> Modes:
+    """Leading growth rates of an equilibrium and their displacements.
+
+    Args:
+        functional: on its reference mesh.
+        vertices: shape (V, 3).
+        parameters: ``lambda1, lambda2, c0``.
+        held: what is held.
+        counts, orbits: as in ``leading``.
+    """
+    (lambda1, lambda2, c0), directions, pins = parameters, functional.directions, functional.pins
+    second, sums = functional.hessian(vertices, directions, c0, lambda1, lambda2)
+    mass, motions = functional.normal_mass(vertices, directions)
+    quantities = functional.quantities(vertices, directions, sums, coefficients(lambda1, lambda2, c0))
+    smoothed = smoothing(second, mass, pins)
+    rigid, moved = independent(motions, smoothed, mass)
+    size = np.linalg.norm(motions[1])
+    kept = [row * size / np.linalg.norm(row) for row in held.rows(quantities.gradients)]
+    constraints = independent(np.array(kept), smoothed, mass)[0] if kept else rigid[:0]
+    modes = leading(second, mass, np.vstack((constraints, rigid)), pins, counts, orbits, held.stiffnesses(quantities))
+    return replace(modes, residual=float(np.abs(np.linalg.eigvalsh(moved.T @ (second @ moved))).max()))
 
 
 DENSE = 300
@@ -186,9 +222,10 @@ class Inverse:
     shift: float
 
     @classmethod
-    def of(cls, pinned: Pinned, rows: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix) -> Inverse:
+    def of(
+        cls, pinned: Pinned, rows: Array, corner: Array, second: sparse.csc_matrix, mass: sparse.csc_matrix
+    ) -> Inverse:
         """From the second variation, factorized; two steps of inverse iteration say whether a mode is neutral."""
-        corner = np.zeros((len(rows), len(rows)))
         found = cls(pinned.bordered(rows.T, rows, corner), 0.0)
         vector = found(mass @ np.random.default_rng(1).standard_normal(second.shape[0]))
         vector /= np.sqrt(vector @ (mass @ vector))
@@ -231,12 +268,20 @@ def _nearest_zero(
 
 
 def _of_symmetry(
-    second: sparse.csc_matrix, mass: sparse.csc_matrix, rows: Array, orbits: Integers, number: int
+    second: sparse.csc_matrix,
+    mass: sparse.csc_matrix,
+    rows: Array,
+    orbits: Integers,
+    number: int,
+    stiff: Sequence[Stiffness],
 ) -> tuple[Array, Array]:
     """The largest growth rates of what is constant on orbits, and their perturbations, by dense algebra."""
     size = len(orbits)
     basis = sparse.coo_matrix((np.ones(size), (np.arange(size), orbits))).tocsr()
     kept = rows @ basis
-    pencil = restricted(kept, *((basis.T @ matrix @ basis).toarray() for matrix in (second, mass)))
+    on_orbits, mass_on_orbits = ((basis.T @ matrix @ basis).toarray() for matrix in (second, mass))
+    for row, factor in stiff:
+        on_orbits += factor * np.outer(row @ basis, row @ basis)
+    pencil = restricted(kept, on_orbits, mass_on_orbits)
     values, vectors = eigh(*[(matrix + matrix.T) / 2 for matrix in pencil])
     return -values[:number], basis @ lifted(kept, vectors[:, :number])

@@ -16,17 +16,16 @@ import numpy as np
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import BoundaryValueProblem
 from pearlbvp.collocation.polynomial import extremes
-from pearlbvp.constrained import leading_eigenvalues
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
+from pearlbvp.held import Held
 from pearlbvp.helfrich import Tube, cylinder_lambda1
 from pearlbvp.representation import brief
 from pearlbvp.shapes import axisymmetric
 from pearlbvp.shapes.cells import HALF_CELL
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.pearling import pearling_onset
-from pearlbvp.stability.bloch import SecondVariation
-from pearlbvp.stability.spectrum import Block, spectrum
+from pearlbvp.stability.spectrum import spectrum
 from pearlbvp.theory.osmotic import osmotic_work
 
 PARAMETERS = (*axisymmetric.PARAMETERS, "solute", "osmolarity")
@@ -115,18 +114,9 @@ class OsmoticPearl(PearlProblem):
 
     def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit ``cells`` such pearls, at this tension with this solute."""
-        found = spectrum(self.profile(u), self.cells, fixed="nothing")
-        even = Block(0, 0, self.cells, "even")  # the one block that changes the volume
         p = self.discretization.all_parameters(u)
-        variation = SecondVariation.of(self.profile(u), found.points)
-        matrix = variation.matrix(0, 0.0, "even")
-        # The second variation gains d lambda2/dV (integral of w dS)^2. On r w at the points of half the period an integral
-        # by dS is the sum with r times 2 * 2 pi xi_period / points. All cells do the same: dV is cells times that of one.
-        slope = p[_SOLUTE] / p[_V] ** 2 / (2 * math.pi * p[_LENGTH])
-        radii = variation.r[: len(matrix)]
-        matrix -= slope * 4 * math.pi * variation.xi_period / variation.count * np.outer(radii, radii)
-        rates = dict(found.rates) | {even: leading_eigenvalues(matrix)[: len(found.rates[even])]}
-        return Spectrum.of(rates, found.residual, found.complete, found.points)
+        solute = float(p[_SOLUTE]) * math.pi * 2 * float(p[_LENGTH]) * self.cells  # of the whole tube
+        return spectrum(self.profile(u), self.cells, held=Held(area=False, volume=False, solute=solute))
 
     def at_osmolarity(self, u: Array, osmolarity: float) -> tuple[Self, Array]:
         """The same solution on the curve on which the period varies at one osmolarity, which it has to rounding."""

@@ -27,9 +27,8 @@ from pearlbvp.collocation.polynomial import extremes
 from pearlbvp.continuation.problem import LiftError
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
-from pearlbvp.force import with_force
-from pearlbvp.helfrich import Fixed
-from pearlbvp.membrane import Grid, MembraneProblem, Surface, fixed_of_tree
+from pearlbvp.held import AREA_AND_VOLUME, Held, known_held
+from pearlbvp.membrane import Grid, MembraneProblem, Surface
 from pearlbvp.membrane import repeated as repeated_surface
 from pearlbvp.representation import brief
 from pearlbvp.shapes import axisymmetric, large_multipliers
@@ -63,7 +62,7 @@ class PearlProblem(MembraneProblem):
         tolerance: estimated error of the profile at which ``remesh`` acts.
         reference: what the phase of a full cell is fixed against; None for a half cell.
         cells: periods on the tube, for stability.
-        fixed: what perturbations keep, for stability.
+        held: what is held while stability is judged.
         wave_number: of the pearls at their onset, by that of short waves, 1 for longer ones: by its powers their curvatures
             and multipliers are measured along branches.
     """
@@ -82,7 +81,7 @@ class PearlProblem(MembraneProblem):
     reference: PiecewisePolynomial | None
     tolerance: float
     cells: int = 1
-    fixed: Fixed = "area and volume"
+    held: Held = AREA_AND_VOLUME
     wave_number: float = 1.0
 
     @property
@@ -155,7 +154,7 @@ class PearlProblem(MembraneProblem):
             "L": length,
             "M": 2 * math.pi * length * float(d.gauss_weights @ axisymmetric.curvature_density(y, p)),
         }
-        return with_force(observed)
+        return self.completed(observed)
 
     def remesh(self, u: Array, *others: Array) -> tuple[Self, list[Array]] | None:
         """The problem on a mesh fitted to ``u`` and in the chart that suits it, with tangents moved there.
@@ -226,11 +225,11 @@ class PearlProblem(MembraneProblem):
 
     def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit the tube."""
-        return spectrum(self.profile(u), self.cells, fixed=self.fixed)
+        return spectrum(self.profile(u), self.cells, held=self.held)
 
     def block_rates(self, u: Array, block: Block, like: Spectrum) -> Array:
         """Growth rates in one symmetry block, largest first, without its exact kernel, on as many points as ``like``."""
-        return block_rates(SecondVariation.of(self.profile(u), like.points), block, self.fixed)[0]
+        return block_rates(SecondVariation.of(self.profile(u), like.points), block, self.held)[0]
 
     def largest_wave(self, u: Array) -> float:
         """``2 A`` of the largest wave (``projection``): of equal pearls the first, of a localized one what it is made of."""
@@ -346,7 +345,7 @@ class PearlProblem(MembraneProblem):
         d = self.discretization
         tree: dict[str, Any] = {
             "mesh": d.mesh, "degree": d.scheme.m, "parameters": d.parameters, "free": ",".join(d.free),
-            "tolerance": self.tolerance, "cells": self.cells, "fixed": self.fixed, "in_large_chart": self.in_large_chart,
+            "tolerance": self.tolerance, "cells": self.cells, "held": str(self.held), "in_large_chart": self.in_large_chart,
             "wave_number": self.wave_number,
         }  # fmt: skip
         if self.reference is not None:
@@ -371,7 +370,12 @@ class PearlProblem(MembraneProblem):
         weights = weights_of(wave_number, bool(tree["in_large_chart"]))
         discretization = Discretization(problem, scheme, tree["mesh"], tree["parameters"], free, weights)
         return cls(
-            discretization, reference, float(tree["tolerance"]), int(tree["cells"]), fixed_of_tree(tree), wave_number
+            discretization,
+            reference,
+            float(tree["tolerance"]),
+            int(tree["cells"]),
+            known_held(tree["held"]),
+            wave_number,
         )
 
     def axial_force_spread(self, u: Array) -> float:

@@ -12,7 +12,8 @@ from pearlbvp.arrays import Array
 from pearlbvp.collocation import Discretization, gauss_scheme
 from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import SHORT_WAVE, Fixed, Tube, WaveNumbers, cylinder_lambda1
+from pearlbvp.held import Held
+from pearlbvp.helfrich import SHORT_WAVE, Tube, WaveNumbers, cylinder_lambda1
 from pearlbvp.membrane import Family, Start, checked_tolerance
 from pearlbvp.shapes.cells import HALF_CELL
 from pearlbvp.shapes.pearl import PearlProblem, weights_of
@@ -70,7 +71,7 @@ def pearling_onset(
     return PearlProblem(discretization, None, tolerance, cells=m, wave_number=short), u, tangent
 
 
-def pearl_start(tube: Tube, mode: WaveNumbers, fixed: Fixed, tolerance: float | None) -> Start:
+def pearl_start(tube: Tube, mode: WaveNumbers, held: Held, tolerance: float | None) -> Start:
     """The straight tube where pearls of a mode leave it.
 
     Raises:
@@ -84,7 +85,7 @@ def pearl_start(tube: Tube, mode: WaveNumbers, fixed: Fixed, tolerance: float | 
         text = f"length: pearls of period {{period:g}} are longer than {LONGEST:g} radii; take more of them"
         raise InputError(Sentence(text, period=tube.length / m))
     problem, u, direction = pearling_onset(tube, m, tolerance=checked_tolerance(tolerance, 1e-9))
-    return replace(problem, fixed=fixed), u, direction
+    return replace(problem, held=held), u, direction
 
 
 FAMILIES = (Family("pearl", (1, 0), "m,0", pearl_start, PearlProblem, accurate=True),)

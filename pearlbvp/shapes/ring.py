@@ -20,19 +20,9 @@ from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError, SpectrumError
-from pearlbvp.force import with_force
-from pearlbvp.helfrich import Fixed, Tube, WaveNumbers
-from pearlbvp.membrane import (
-    AROUND,
-    Family,
-    Grid,
-    MembraneProblem,
-    Start,
-    Surface,
-    checked_tolerance,
-    fixed_of_tree,
-    of_sections,
-)
+from pearlbvp.held import AREA_AND_VOLUME, Held, known_held
+from pearlbvp.helfrich import Tube, WaveNumbers
+from pearlbvp.membrane import AROUND, Family, Grid, MembraneProblem, Start, Surface, checked_tolerance, of_sections
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.projection import of_section
 from pearlbvp.representation import brief
@@ -62,7 +52,7 @@ class RingProblem(MembraneProblem):
         n: number of lobes.
         c0, length: the tube's.
         tolerance: estimated error of the profile at which ``remesh`` acts.
-        fixed: what perturbations keep, for stability.
+        held: what is held while stability is judged.
     """
 
     __repr__ = brief
@@ -81,7 +71,7 @@ class RingProblem(MembraneProblem):
     c0: float
     length: float
     tolerance: float
-    fixed: Fixed = "area and volume"
+    held: Held = AREA_AND_VOLUME
 
     @property
     def wavelength(self) -> float:
@@ -139,7 +129,7 @@ class RingProblem(MembraneProblem):
             "M": math.pi * self.length,
             "gap": self.gap(u),
         }
-        return with_force(observed)
+        return self.completed(observed)
 
     def gap(self, u: Array) -> float:
         """Width of the narrowest place between the two sides of a lobe; see ``theory.elastica.ElasticRing.gap``.
@@ -194,11 +184,11 @@ class RingProblem(MembraneProblem):
 
     def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit the tube."""
-        return planar_spectrum(self.profile(u), self.length, fixed=self.fixed)
+        return planar_spectrum(self.profile(u), self.length, held=self.held)
 
     def block_rates(self, u: Array, block: PlanarBlock, like: Spectrum) -> Array:
         """Growth rates in one block, largest first, without its exact kernels, on as many points as ``like``."""
-        return planar_rates(self.profile(u), self.length, block, like.points, self.fixed)
+        return planar_rates(self.profile(u), self.length, block, like.points, self.held)
 
     def outline(self, u: Array, points: int = 361) -> NDArray[np.complex128]:
         """The section as a closed curve in the complex plane about its centre, first point repeated at the end."""
@@ -233,7 +223,7 @@ class RingProblem(MembraneProblem):
     @property
     def walls(self) -> Mapping[str, tuple[float, str]]:
         """No ring goes on where it touches itself."""
-        return {"gap": (0.0, CONTACT)}
+        return {"gap": (0.0, CONTACT), **super().walls}
 
     def limit(self, observed: Mapping[str, float], spectrum: Spectrum) -> str | None:
         """A spectrum that is not resolved."""
@@ -266,7 +256,7 @@ class RingProblem(MembraneProblem):
         """
         lambda1, lambda2 = self._multipliers(u)
         v = float(u[-1])
-        problem = TubeProblem(ring_symmetry(self.n), self.c0, self.length, (0, 8), fixed=self.fixed)
+        problem = TubeProblem(ring_symmetry(self.n), self.c0, self.length, (0, 8), held=self.held)
         while True:
             try:
                 radii = self.radius_cosines(u, problem.size[1] + 1)
@@ -322,7 +312,7 @@ class RingProblem(MembraneProblem):
         d = self.discretization
         return {
             "mesh": d.mesh, "degree": d.scheme.m, "n": self.n, "c0": self.c0, "length": self.length,
-            "tolerance": self.tolerance, "fixed": self.fixed,
+            "tolerance": self.tolerance, "held": str(self.held),
         }  # fmt: skip
 
     @classmethod
@@ -334,7 +324,7 @@ class RingProblem(MembraneProblem):
         """
         tube, n = Tube(float(tree["c0"]), float(tree["length"])), lobes(tree["n"])
         discretization = _discretization(n, tree["mesh"], int(tree["degree"]))
-        return cls(discretization, n, tube.c0, tube.length, float(tree["tolerance"]), fixed_of_tree(tree))
+        return cls(discretization, n, tube.c0, tube.length, float(tree["tolerance"]), known_held(tree["held"]))
 
 
 def _discretization(n: int, mesh: Array, degree: int) -> Discretization:
@@ -351,7 +341,7 @@ def ring_onset(
     intervals: int = 8,
     degree: int = 6,
     tolerance: float = 1e-10,
-    fixed: Fixed = "area and volume",
+    held: Held = AREA_AND_VOLUME,
 ) -> tuple[RingProblem, Array, Array]:
     """The straight cylinder where rings of ``n`` lobes branch off, at ``lambda2 = (n^2 - 1)/2``, and the direction.
 
@@ -361,7 +351,7 @@ def ring_onset(
         intervals: of the first mesh on the half lobe.
         degree: Gauss points an interval.
         tolerance: of the profile, for remeshing.
-        fixed: what perturbations keep, for stability.
+        held: what is held while stability is judged.
 
     Returns:
         The problem, the unknown at onset and the unit tangent of the rings, with a tip at the first point.
@@ -378,10 +368,10 @@ def ring_onset(
     wave = np.column_stack((np.sin(math.pi * t) / 2, np.cos(math.pi * t), -2 * np.sin(math.pi * t)))
     tangent = d.pack(wave, np.zeros(4))
     tangent /= math.sqrt(d.inner(tangent, tangent))
-    return RingProblem(d, n, tube.c0, tube.length, tolerance, fixed), u, tangent
+    return RingProblem(d, n, tube.c0, tube.length, tolerance, held), u, tangent
 
 
-def ring_start(tube: Tube, mode: WaveNumbers, fixed: Fixed, tolerance: float | None) -> Start:
+def ring_start(tube: Tube, mode: WaveNumbers, held: Held, tolerance: float | None) -> Start:
     """The straight tube where rings of a mode leave it.
 
     Raises:
@@ -390,7 +380,7 @@ def ring_start(tube: Tube, mode: WaveNumbers, fixed: Fixed, tolerance: float | N
     m, n = mode
     if m != 0:
         raise InputError(f"mode: rings do not depend on x, so {m},{n} is none of them; give 0,{max(n, 2)}")
-    return ring_onset(tube, n, tolerance=checked_tolerance(tolerance, 1e-10), fixed=fixed)
+    return ring_onset(tube, n, tolerance=checked_tolerance(tolerance, 1e-10), held=held)
 
 
 FAMILIES = (Family("ring", (0, 2), "0,n", ring_start, RingProblem, accurate=True),)

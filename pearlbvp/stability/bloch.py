@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
 from pearlbvp.constrained import leading_eigenvalues
-from pearlbvp.helfrich import Fixed
+from pearlbvp.held import AREA_AND_VOLUME, Held, Quantities, coefficients
 from pearlbvp.representation import brief
 from pearlbvp.stability.isothermal import Isothermal
 from pearlbvp.stability.profile import Profile, curvatures
@@ -104,8 +104,9 @@ class SecondVariation:
         by_slope: coefficient of ``w'^2``.
         by_n: coefficient of ``n^2 w^2 / r^2``.
         by_value: coefficient ``R`` of ``w^2``.
-        h: mean curvature.
+        h, gauss: mean and Gaussian curvature.
         psi: tangent angle.
+        coefficients: of area, volume and integrated mean curvature in the Lagrangian (``held``).
         symmetric: whether the other half of the points mirrors these, so that waves have parities.
     """
 
@@ -119,7 +120,9 @@ class SecondVariation:
     by_n: Array
     by_value: Array
     h: Array
+    gauss: Array
     psi: Array
+    coefficients: Array
     symmetric: bool
 
     @classmethod
@@ -148,7 +151,10 @@ class SecondVariation:
             - ((g.around - g.h) * (g.h2 - g.b * g.h1) - g.h1**2)  # from 2 (H - kappa_s) H' w w'
         )
         by_slope, by_n = f / 2 + coupling * g.around, f / 2 + coupling * g.along
-        return cls(coordinate.period, count, g.r, q, by_slope, by_n, by_value, g.h, states[:, 1], profile.half)
+        p = coefficients(profile.lambda1, profile.lambda2, profile.c0)
+        return cls(
+            coordinate.period, count, g.r, q, by_slope, by_n, by_value, g.h, g.gauss, states[:, 1], p, profile.half
+        )
 
     def form(self, theta: float, parity: str | None = None) -> QuadraticForm:
         """The second variation on waves with a phase, acting on ``r w`` at the points.
@@ -181,25 +187,41 @@ class SecondVariation:
         """Hermitian matrix of the growth rates of the Bloch waves ``(n, theta)``; see ``form``."""
         return self.form(theta, parity).matrix(n)
 
-    def constraints(self, size: int, fixed: Fixed) -> list[Array]:
-        """Rows on ``r w`` of waves even about the belly, or without a parity, that keep area and volume.
+    def quantities(self, size: int, cells: int = 1) -> Quantities:
+        """Area, volume and integrated mean curvature of ``cells`` periods, by waves even about the belly, or without a parity.
 
-        ``integral of H w dS = 0`` keeps the area, ``integral of w dS = 0`` the volume. On a surface of constant mean
-        curvature the two are one.
+        The coordinates of ``form`` are ``y = r w``, so that an integral of ``f w dS`` is the sum of ``f r y`` by the unit, the
+        area between two circles of points by ``r^2``.
         """
-        rows = {"nothing": [], "area": [self.h * self.r], "area and volume": [self.h * self.r, self.r]}[fixed]
-        return [np.pad(row, (0, size - len(row))) for row in rows]  # imaginary parts are odd: they change neither
+        r, h = self.r, self.h
+        volume = 0.5 * float(r**2 @ (r * np.cos(self.psi)))  # by the divergence of the part across the axis
+        gradients = np.array([2 * h * r, r, self.gauss * r])
+        return Quantities(
+            np.array([r @ r, volume, h @ r**2]),
+            np.pad(gradients, ((0, 0), (0, size - len(r)))),  # imaginary parts are odd: they change none of these
+            self.coefficients,
+            cells * 2 * np.pi * self.xi_period / len(r),
+        )
 
-    def growth_rates(
-        self, n: int, theta: float, parity: str | None = None, *, fixed: Fixed = "area and volume"
-    ) -> Array:
-        """Growth rates of the Bloch waves ``(n, theta)``, largest first.
+    def constrained(self, matrix: NDArray[Any], held: Held, cells: int = 1) -> tuple[list[Array], NDArray[Any]]:
+        """Rows that perturbations are orthogonal to, and the matrix of growth rates, by what is held.
 
-        Only ``n = 0, theta = 0`` (and not odd) is affected by what is ``fixed``.
+        Args:
+            matrix: of ``n = 0, theta = 0``, not odd: no other waves change what may be held. On a surface of constant mean
+                curvature the rows of area and volume are one.
+            held: what is held.
+            cells: periods on the tube.
         """
+        rows, second = held.constrained(-matrix, self.quantities(len(matrix), cells))
+        return rows, -second
+
+    def growth_rates(self, n: int, theta: float, parity: str | None = None, *, held: Held = AREA_AND_VOLUME) -> Array:
+        """Growth rates of the Bloch waves ``(n, theta)`` of one period, largest first."""
         matrix = self.matrix(n, theta, parity)
-        constrained = n == 0 and theta == 0 and parity != "odd"
-        return leading_eigenvalues(matrix, self.constraints(len(matrix), fixed) if constrained else [])
+        rows: list[Array] = []
+        if n == 0 and theta == 0 and parity != "odd":
+            rows, matrix = self.constrained(matrix, held)
+        return leading_eigenvalues(matrix, rows)
 
 
 def _hermitian(matrix: NDArray[Any]) -> NDArray[Any]:

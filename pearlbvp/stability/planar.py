@@ -33,7 +33,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.constrained import restricted
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
-from pearlbvp.helfrich import Fixed
+from pearlbvp.held import AREA_AND_VOLUME, Held, Quantities, coefficients
 from pearlbvp.representation import brief
 from pearlbvp.stability.bloch import waves
 from pearlbvp.stability.spectrum import kernel_residual
@@ -196,22 +196,43 @@ class PlanarVariation:
         wave = self.waves(c, parity)[0]
         return np.asarray((wave.conj().T @ values[: len(wave)]).real)
 
-    def constraints(self, c: int, parity: str | None, fixed: Fixed) -> list[Array]:
-        """What perturbations at ``k = 0`` are orthogonal to: changes of area and volume, where the class has any."""
-        if c or parity != "even" or fixed == "nothing":
-            return []
-        by_area, by_volume = (self._coefficients(by, c, parity) for by in (self.kappa, np.ones_like(self.kappa)))
-        return [by_area] if fixed == "area" else [by_area, by_volume]
+    def quantities(self, length: float) -> Quantities:
+        """Area, volume and integrated mean curvature of a tube of a length, by perturbations even about the tips, ``k = 0``.
 
-    def rates_at(self, c: int, parity: str | None, k: Array, fixed: Fixed = "area and volume") -> list[Array]:
-        """Growth rates at wave numbers ``k``, shape (J,), each largest first; at ``k = 0`` without rigid motions."""
+        The volume is half the integral of the distances ``(kappa^2/2 - a)/(2 lambda2)`` of tangents from the centre (see
+        ``PlaneProfile.curve``); ``M`` does not change, as ``2H`` turns the tangent once.
+        """
+        profile, count = self.profile, len(self.waves(0, "even")[0])
+        distance = float((self.kappa**2 / 2 - profile.a).mean()) / (2 * profile.lambda2)
+        changes = (self.kappa, np.ones_like(self.kappa), np.zeros_like(self.kappa))
+        return Quantities(
+            count * np.array([1.0, distance / 2, 0.5]),
+            np.array([self._coefficients(by, 0, "even") for by in changes]),
+            coefficients(profile.lambda1, profile.lambda2, profile.c0),
+            2 * math.pi * length / count,
+        )
+
+    def rates_at(
+        self, c: int, parity: str | None, k: Array, length: float = 1.0, held: Held = AREA_AND_VOLUME
+    ) -> list[Array]:
+        """Growth rates at wave numbers ``k``, shape (J,), each largest first; at ``k = 0`` without rigid motions.
+
+        Args:
+            c, parity: of the class.
+            k: the wave numbers.
+            length: of the tube, which a law of what is held may go by.
+            held: what is held.
+        """
         at_rest, by_square = self.matrices(c, parity)
         square = np.square(k)[:, None]
         moving = np.linalg.eigvalsh(at_rest + square[:, None] * by_square)[:, ::-1] - square**2 / 2
         found = list(moving)
         for place in np.flatnonzero(k == 0):
-            normals = [*self.kernels(c, parity), *self.constraints(c, parity, fixed)]
-            (resting,) = restricted(normals, at_rest)
+            rows: list[Array] = self.kernels(c, parity)
+            second: NDArray[Any] = -at_rest
+            if c == 0 and parity == "even":
+                rows, second = held.constrained(second, self.quantities(length))
+            (resting,) = restricted(rows, -second)
             found[place] = np.linalg.eigvalsh(resting)[::-1]
         return found
 
@@ -279,7 +300,7 @@ def resolved(profile: PlaneProfile, *, tolerance: float = 1e-9, max_points: int 
 
 
 def planar_spectrum(
-    profile: PlaneProfile, length: float, *, fixed: Fixed = "area and volume", tolerance: float = 1e-9
+    profile: PlaneProfile, length: float, *, held: Held = AREA_AND_VOLUME, tolerance: float = 1e-9
 ) -> Spectrum:
     """Growth rates of all perturbations of a tube of a length that can grow.
 
@@ -289,7 +310,7 @@ def planar_spectrum(
     Args:
         profile: the cross-section.
         length: axial period of the tube.
-        fixed: what perturbations keep.
+        held: what is held.
         tolerance: for the residual of the exact kernels.
 
     Raises:
@@ -309,14 +330,14 @@ def planar_spectrum(
     k = np.arange(most + 1, dtype=np.float64) * (2 * math.pi / length)
     for c, parity in classes_of(profile.n):
         for start in range(0, len(k), 128):  # no more matrices at a time than fit a cache
-            for j, found in enumerate(variation.rates_at(c, parity, k[start : start + 128], fixed), start):
+            for j, found in enumerate(variation.rates_at(c, parity, k[start : start + 128], length, held), start):
                 rates[PlanarBlock(j, c, profile.n, parity)] = found[: _KEPT + int((found > 0).sum())]
     return Spectrum.of(rates, residual, points=points)
 
 
 def planar_rates(
-    profile: PlaneProfile, length: float, block: PlanarBlock, points: int, fixed: Fixed = "area and volume"
+    profile: PlaneProfile, length: float, block: PlanarBlock, points: int, held: Held = AREA_AND_VOLUME
 ) -> Array:
     """Growth rates of one block on a number of points of a lobe, largest first, without exact kernels."""
     k = np.array([2 * math.pi * block.j / length])
-    return PlanarVariation.of(profile, points).rates_at(block.c, block.parity, k, fixed)[0]
+    return PlanarVariation.of(profile, points).rates_at(block.c, block.parity, k, length, held)[0]

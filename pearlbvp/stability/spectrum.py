@@ -18,7 +18,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.constrained import leading_eigenvalues
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
-from pearlbvp.helfrich import Fixed
+from pearlbvp.held import AREA_AND_VOLUME, Held
 from pearlbvp.stability.bloch import QuadraticForm, SecondVariation
 from pearlbvp.stability.isothermal import Isothermal
 from pearlbvp.stability.profile import Profile
@@ -77,14 +77,14 @@ def kernel_residual(matrix: NDArray[Any], kernel: Array, largest: float) -> floa
 
 
 def block_rates(
-    variation: SecondVariation, block: Block, fixed: Fixed = "area and volume", form: QuadraticForm | None = None
+    variation: SecondVariation, block: Block, held: Held = AREA_AND_VOLUME, form: QuadraticForm | None = None
 ) -> tuple[Array, float]:
     """Growth rates of a block without its exact kernel, largest first, and how well that kernel is one.
 
     Args:
         variation: of the profile.
         block: the block.
-        fixed: what perturbations keep.
+        held: what is held.
         form: the variation's on waves of the block's ``theta`` and parity, where it is known.
 
     Returns:
@@ -92,14 +92,15 @@ def block_rates(
     """
     matrix = (form or variation.form(block.theta, block.parity)).matrix(block.n)
     kernel = _kernel(variation, block, len(matrix))
-    kernels = [] if kernel is None else [kernel]
-    constrained = block.n == 0 and block.j == 0 and block.parity != "odd"
-    constraints = variation.constraints(len(matrix), fixed) if constrained else []
-    rates = leading_eigenvalues(matrix, [*kernels, *constraints])
-    if kernel is None:
+    rows: list[Array] = []
+    if block.n == 0 and block.j == 0 and block.parity != "odd":
+        rows, matrix = variation.constrained(matrix, held, block.cells)
+    kernels = [] if kernel is None else [np.pad(kernel, (0, len(matrix) - len(kernel)))]
+    rates = leading_eigenvalues(matrix, [*kernels, *rows])
+    if not kernels:
         return rates, 0.0
-    largest = float(leading_eigenvalues(matrix)[0] if constraints else rates[0])
-    return rates, kernel_residual(matrix, kernel, largest)
+    largest = float(leading_eigenvalues(matrix)[0] if rows else rates[0])
+    return rates, kernel_residual(matrix, kernels[0], largest)
 
 
 MANY = 420
@@ -116,7 +117,7 @@ LEAST_N = 3
 """Azimuthal numbers that are looked at in any case."""
 
 
-def _of_blocks(variation: SecondVariation, blocks: list[Block], fixed: Fixed) -> tuple[dict[Block, Array], float]:
+def _of_blocks(variation: SecondVariation, blocks: list[Block], held: Held) -> tuple[dict[Block, Array], float]:
     """Leading growth rates of some blocks, and the largest error of an exact kernel.
 
     Blocks of one ``theta`` and parity, which stand together, share their quadratic form.
@@ -126,7 +127,7 @@ def _of_blocks(variation: SecondVariation, blocks: list[Block], fixed: Fixed) ->
         form = None
         for block in together:
             form = form or variation.form(block.theta, parity)
-            found, error = block_rates(variation, block, fixed, form)
+            found, error = block_rates(variation, block, held, form)
             rates[block] = found[: _KEPT + int((found > 0).sum())]
             residual = max(residual, error)
     return rates, residual
@@ -136,7 +137,7 @@ def spectrum(
     profile: Profile,
     cells: int = 1,
     *,
-    fixed: Fixed = "area and volume",
+    held: Held = AREA_AND_VOLUME,
     tolerance: float = 1e-7,
     points: int | None = None,
     max_points: int | None = None,
@@ -150,7 +151,7 @@ def spectrum(
     Args:
         profile: one period, or half of it.
         cells: periods on the tube.
-        fixed: what perturbations keep.
+        held: what is held.
         tolerance: for the residual of the exact kernels.
         points: Fourier points of a period to begin with (``None``: five in each unit of the isothermal coordinate, on long
             periods fewer).
@@ -178,14 +179,14 @@ def spectrum(
     first.sort(key=lambda block: (block.j, block.parity or ""))
     at_rest = [block for block in first if block.j == 0]  # translations among them
     variation = SecondVariation.of(profile, points, coordinate)
-    rates, residual = _of_blocks(variation, at_rest, fixed)
+    rates, residual = _of_blocks(variation, at_rest, held)
     while residual > tolerance and 2 * points <= max_points:
         finer = SecondVariation.of(profile, 2 * points, coordinate)
-        again, smaller = _of_blocks(finer, at_rest, fixed)
+        again, smaller = _of_blocks(finer, at_rest, held)
         if smaller > residual / 2:  # rounding, or the profile itself, is what remains
             break
         variation, rates, residual, points = finer, again, smaller, 2 * points
-    rates |= _of_blocks(variation, first[len(at_rest) :], fixed)[0]
+    rates |= _of_blocks(variation, first[len(at_rest) :], held)[0]
 
     def falls(n: int) -> bool:
         """Whether nothing grows that winds ``n`` times around, and less than what winds once less."""
@@ -195,5 +196,5 @@ def spectrum(
     n = LEAST_N - 1
     while not falls(n) and n < max_n:
         n += 1
-        rates |= _of_blocks(variation, blocks_of(cells, n, profile.half), fixed)[0]
+        rates |= _of_blocks(variation, blocks_of(cells, n, profile.half), held)[0]
     return Spectrum.of(rates, residual, falls(n), points)

@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal
 
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.path import PathOptions
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
+from pearlbvp.held import Held, known_held
 from pearlbvp.helfrich import (
-    Fixed,
     Tube,
     WaveNumbers,
-    choice,
     cylinder_energy,
     cylinder_force,
     cylinder_lambda1,
@@ -38,10 +37,25 @@ Discretization = Literal["modes", "subdivision", "cotangent"]
 
 COLUMNS = ["point", "special", "lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "n_unstable", "mu_crit",
            "critical", "c0", "L", "mu_error", "wave", "M", "force"]  # fmt: skip
-FURTHER = ["torque"]
+FURTHER = ["torque", "osmolarity", "M0"]
 """Columns behind those, where a family has them."""
 
-TURNS = ("lambda1", "lambda2", "v", "E", "amplitude", "r_min", "r_max", "c0", "L", "M", "force", "torque")
+TURNS = (
+    "lambda1",
+    "lambda2",
+    "v",
+    "E",
+    "amplitude",
+    "r_min",
+    "r_max",
+    "c0",
+    "L",
+    "M",
+    "force",
+    "torque",
+    "osmolarity",
+    "M0",
+)
 """Columns whose turning points can be located."""
 
 
@@ -162,7 +176,7 @@ def family_branch(
     *,
     nodes: int | None = None,
     discretization: Discretization | None = None,
-    fixed: Fixed = "area and volume",
+    fix: str | Held = "area,volume",
     tolerance: float | None = None,
     adapt: AdaptOptions | None = None,
 ) -> Branch[Any]:
@@ -176,7 +190,8 @@ def family_branch(
         nodes: on a triangulated tube of about so many vertices.
         discretization: on a triangulated tube ``subdivision`` (the default) or ``cotangent``; else ``modes`` for pearls and
             rings in reduced modes, which are better followed as what they are: through overhangs, to thin necks.
-        fixed: what the perturbations keep that stability is judged by.
+        fix: what is held while stability is judged: ``area,volume``, or ``tension`` for ``area``; ``pressure`` or ``osmotic=N``
+            for ``volume``; ``force`` for ``length``; ``ade=ALPHA`` besides (``held.known_held``).
         tolerance: estimated error of the profile at which its mesh is refined, of pearls and rings.
         adapt: when and how a triangulation is adapted on the way.
 
@@ -194,25 +209,26 @@ def family_branch(
     """
     known_tube(tube)
     options = known_options(options)
-    choice("fixed", fixed, get_args(Fixed))
+    held = known_held(fix)
     mode = families.family(family).mode if mode is None else mode_numbers("mode", mode)
     nodes = None if nodes is None else whole("nodes", nodes)
     if nodes is not None:
         if tolerance is not None:
             raise InputError("tolerance: meshes have none; leave it or nodes out")
-        problem, u, direction = _on_a_mesh(tube, family, mode, nodes, discretization or "subdivision", fixed, adapt)
+        problem, u, direction = _on_a_mesh(tube, family, mode, nodes, discretization or "subdivision", held, adapt)
     elif discretization == "modes":
-        problem, u, direction = _in_modes(family)(tube, mode, fixed, tolerance)
+        problem, u, direction = _in_modes(family)(tube, mode, held, tolerance)
     elif discretization is None:
-        problem, u, direction = families.family(family).start(tube, mode, fixed, tolerance)
+        problem, u, direction = families.family(family).start(tube, mode, held, tolerance)
     else:
         raise InputError(f"discretization: {discretization} goes with a mesh; give its number of nodes, too")
     exact = straight_values(tube, float(critical_lambda2(tube.wave_number(mode[0]), mode[1], tube.c0)))
+    held.check(exact | {"c0": tube.c0, "L": tube.length})
     start = Solution.along(problem, u, direction)
     return continue_branch(start, options, at_bifurcation=True, exact=exact)
 
 
-def _in_modes(family: str) -> Callable[[Tube, WaveNumbers, Fixed, float | None], Start]:
+def _in_modes(family: str) -> Callable[[Tube, WaveNumbers, Held, float | None], Start]:
     """Where a family leaves the straight tube in reduced modes.
 
     Raises:
@@ -226,7 +242,7 @@ def _in_modes(family: str) -> Callable[[Tube, WaveNumbers, Fixed, float | None],
 
 
 def _on_a_mesh(
-    tube: Tube, family: Any, mode: WaveNumbers, nodes: int, kind: Any, fixed: Fixed, adapt: AdaptOptions | None
+    tube: Tube, family: Any, mode: WaveNumbers, nodes: int, kind: Any, held: Held, adapt: AdaptOptions | None
 ) -> Start:
     """Where a family leaves the straight tube on a mesh, in the space of its symmetry."""
     from pearlbvp.mesh.adaptation import AdaptOptions
@@ -235,7 +251,7 @@ def _on_a_mesh(
 
     mesh = tube_mesh(tube.length, nodes, coil=mode if family == "coil" else None)
     problem, u, direction = onset(tube, family, *mode, mesh, kind)
-    return replace(problem, adapt=adapt or AdaptOptions(), fixed=fixed).symmetric(u, direction), u, direction
+    return replace(problem, adapt=adapt or AdaptOptions(), held=held).symmetric(u, direction), u, direction
 
 
 def straight_values(tube: Tube, lambda2: float) -> dict[str, float]:

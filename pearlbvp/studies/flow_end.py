@@ -23,7 +23,8 @@ from pearlbvp.errors import InputError
 from pearlbvp.flows.axisymmetric import GraphFlow
 from pearlbvp.flows.record import Equilibrium, FlowResult
 from pearlbvp.flows.tube import TubeFlow
-from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Fixed
+from pearlbvp.held import Held
+from pearlbvp.helfrich import SMALLEST_AMPLITUDE
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph
 from pearlbvp.shapes.pearl import PearlProblem
@@ -93,10 +94,10 @@ def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem | MeshProb
             Newton's method fails.
     """
     _check(end)
-    fixed: Fixed = "area" if end.problem.law == "area" else "area and volume"
+    held = Held(volume=end.problem.law != "area")
     if isinstance(end.problem, GraphFlow):
         pearls, u = pearls_of(end)
-        return replace(pearls, fixed=fixed), u
+        return replace(pearls, held=held), u
     if not isinstance(end.problem, TubeFlow):
         return _meshes(end)
     position = recognized(end)
@@ -105,8 +106,8 @@ def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem | MeshProb
     if position.family == "pearl":
         cosines = [position.known.get(Mode("sigma", p), 0.0) for p in range(end.problem.size[0] + 1)]
         pearls, u = _pearls(end, np.array(cosines), 1e-10)
-        return replace(pearls, fixed=fixed), u
-    return _tubes(end, position, fixed)
+        return replace(pearls, held=held), u
+    return _tubes(end, position, held)
 
 
 def similarity(end: Equilibrium) -> Units:
@@ -124,7 +125,7 @@ def _check(end: Equilibrium) -> None:
         raise InputError("flow: its last shape is no equilibrium; let it rest first")
 
 
-def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[TubeProblem, Array]:
+def _tubes(end: Equilibrium, position: StandardPosition, held: Held) -> tuple[TubeProblem, Array]:
     """The similar tube of area ``2 pi L`` in the modes of its symmetry, by Newton's method at its reduced volume."""
     found, symmetry = end.observables, position.symmetry
     similar = similarity(end)
@@ -132,7 +133,7 @@ def _tubes(end: Equilibrium, position: StandardPosition, fixed: Fixed) -> tuple[
     along, around = _size(known, symmetry)
     tolerance = PLANE_TOLERANCE if along and around else TubeProblem.tolerance
     tube = similar.tube(end.problem.c0, end.problem.length)
-    problem = TubeProblem(symmetry, tube.c0, tube.length, (along, around), tolerance=tolerance, fixed=fixed)
+    problem = TubeProblem(symmetry, tube.c0, tube.length, (along, around), tolerance=tolerance, held=held)
     problem = problem.pinned_at(dict(zip(problem.modes, problem.packed(known), strict=True)))
     u = _at_its_volume(problem, np.append(problem.packed(known), _parameters(found, similar)))
     problem, u = _resolved(problem, u)
@@ -170,7 +171,7 @@ def _meshes(end: Equilibrium) -> tuple[MeshProblem, Array]:
     similar, reference = similarity(end), flow.reference
     mesh = similar.surface_from_user(replace(reference.mesh, vertices=flow.vertices(end.q)))
     c0, parameters = similar.from_user("c0", reference.c0), _parameters(found, similar)
-    problem, u = about(reference.functional.on(mesh), c0, parameters, fixed=reference.fixed, adapt=reference.adapt)
+    problem, u = about(reference.functional.on(mesh), c0, parameters, held=reference.held, adapt=reference.adapt)
     return problem, solved(problem, u)
 
 

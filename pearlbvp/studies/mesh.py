@@ -51,9 +51,9 @@ def meshed(
         )
     if isinstance(point.problem, MeshProblem):
         return point.problem, point.u
-    fixed = point.problem.fixed
+    held = point.problem.held
     return equilibrium(
-        shape_mesh(point, nodes), found["c0"], found["v"], found["lambda1"], found["lambda2"], kind, fixed=fixed
+        shape_mesh(point, nodes), found["c0"], found["v"], found["lambda1"], found["lambda2"], kind, held=held
     )
 
 

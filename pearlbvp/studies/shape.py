@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import get_args
 
 import numpy as np
 
@@ -13,7 +12,8 @@ from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed, Tube, choice, finite, positive, whole
+from pearlbvp.held import Held, known_held
+from pearlbvp.helfrich import Tube, finite, positive, whole
 from pearlbvp.membrane import checked_tolerance
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import PearlProblem
@@ -33,7 +33,7 @@ def shape_branch(
     *,
     cells: int = 1,
     tolerance: float | None = None,
-    fixed: Fixed = "area and volume",
+    fix: str | Held = "area,volume",
 ) -> Branch[PearlProblem]:
     """The branch through the shape of least energy that lies downhill from a guess: a way to isolated branches.
 
@@ -48,14 +48,15 @@ def shape_branch(
         options: where to stop and how to step, from ``branch_options``.
         cells: how many periods the tube has that stability is judged on.
         tolerance: estimated error of the profile at which the mesh is refined.
-        fixed: what the perturbations keep that stability is judged by.
+        fix: what is held while stability is judged: ``area,volume``, or ``tension`` for ``area``; ``pressure`` or ``osmotic=N``
+            for ``volume``; ``force`` for ``length``; ``ade=ALPHA`` besides (``held.known_held``).
 
     Raises:
         InputError: an argument that cannot be used, or a guess from which no equilibrium is reached.
     """
     tube, v, options = Tube(c0, length), positive("volume", v), known_options(options)
     cells, tolerance = whole("cells", cells), checked_tolerance(tolerance, 1e-9)
-    choice("fixed", fixed, get_args(Fixed))
+    held = known_held(fix)
     try:
         guess = np.array([finite("shape", value) for value in cosines])
     except TypeError:
@@ -74,7 +75,8 @@ def shape_branch(
             "shape: downhill from it at this volume lies the straight tube, where branches cross; give other cosines or "
             "another volume, or leave --shape out for the pearls that leave the tube"
         )
-    problem = replace(problem, fixed=fixed, cells=cells)
+    problem = replace(problem, held=held, cells=cells)
+    held.check(problem.observables(u))
     upwards = np.zeros_like(u)
     upwards[-1] = 1.0  # v is the last unknown
     tangent = tangent_along(problem, u, upwards)

@@ -9,7 +9,8 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Fixed, Tube, WaveNumbers
+from pearlbvp.held import AREA_AND_VOLUME, Held
+from pearlbvp.helfrich import Tube, WaveNumbers
 from pearlbvp.membrane import Family, Start
 from pearlbvp.theory.amplitude import amplitude_equation
 from pearlbvp.tube.modes import Mode
@@ -20,7 +21,7 @@ Kind = Literal["pearl", "ring", "coil", "buckle"]
 
 
 def onset(
-    tube: Tube, family: Kind, m: int, n: int, *, size: tuple[int, int] | None = None, fixed: Fixed = "area and volume"
+    tube: Tube, family: Kind, m: int, n: int, *, size: tuple[int, int] | None = None, held: Held = AREA_AND_VOLUME
 ) -> tuple[TubeProblem, Array, Array]:
     """The straight tube where a family branches off, and the direction in which it does.
 
@@ -29,7 +30,7 @@ def onset(
         family: of the branch.
         m, n: waves along and around the tube.
         size: largest wave numbers at first, in periods and folds; more are taken where needed.
-        fixed: what perturbations keep, for stability.
+        held: what is held while stability is judged.
 
     Raises:
         InputError: the family does not branch off at that mode, or is not built for it.
@@ -46,7 +47,7 @@ def onset(
     }[family]()
     sizes = {"pearl": (16, 0), "ring": (0, 16), "coil": (0, 16), "buckle": (10, 10)}
     tolerance = PLANE_TOLERANCE if family == "buckle" else TubeProblem.tolerance
-    problem = TubeProblem(symmetry, tube.c0, tube.length, size or sizes[family], tolerance=tolerance, fixed=fixed)
+    problem = TubeProblem(symmetry, tube.c0, tube.length, size or sizes[family], tolerance=tolerance, held=held)
     u, direction = np.zeros(len(problem.modes) + 3), np.zeros(len(problem.modes) + 3)
     u[problem.modes.index(Mode("sigma", 0))] = 1.0
     u[-3:] = equation.lambda1, equation.lambda2, 1.0
@@ -54,7 +55,7 @@ def onset(
     return problem, u, direction
 
 
-def tube_start(kind: Kind, tube: Tube, mode: WaveNumbers, fixed: Fixed, tolerance: float | None) -> Start:
+def tube_start(kind: Kind, tube: Tube, mode: WaveNumbers, held: Held, tolerance: float | None) -> Start:
     """The straight tube where a kind of tubes leaves it, in reduced modes.
 
     Raises:
@@ -67,7 +68,7 @@ def tube_start(kind: Kind, tube: Tube, mode: WaveNumbers, fixed: Fixed, toleranc
         raise InputError(
             f"mode: {mode[0]},{mode[1]} is none of a {kind}, but of a {' and a '.join(others)}; give another"
         )
-    return onset(tube, kind, *mode, fixed=fixed)
+    return onset(tube, kind, *mode, held=held)
 
 
 FAMILIES = tuple(Family(kind, (1, 1), "m,n", partial(tube_start, kind), TubeProblem) for kind in ("coil", "buckle"))

@@ -18,7 +18,6 @@ from scipy.fft import next_fast_len
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
-from pearlbvp.force import with_force
 from pearlbvp.helfrich import SHORT_WAVE
 from pearlbvp.tube.extremes import extremes
 from pearlbvp.tube.modes import Mode
@@ -136,7 +135,7 @@ class TubeProblem(TubeShapes):
         }  # fmt: skip
         if self.symmetry.turns:
             observed["torque"] = equilibrium.torque(waves.displacement(self.cell, coefficients))
-        return with_force(observed)
+        return self.completed(observed)
 
     def tails(self, u: Array) -> tuple[tuple[float, float], tuple[float, float]]:
         """Largest curvatures of the modes halfway out and at the end: of those more along the tube, and more around it.
@@ -286,10 +285,10 @@ class TubeProblem(TubeShapes):
 
     def _rates(self, equilibrium: Equilibrium, u: Array, families: Sequence[ModeWaves]) -> list[tuple[Array, float]]:
         """Growth rates, and the error of the rigid motions, of blocks that share their waves."""
-        known, found = self.known(u), []
+        known, length, found = self.known(u), self.parameters(u).length, []
         for modes, matrices in zip(families, equilibrium.second_variations(*families), strict=True):
             motions = rigid_motions(known, modes.modes, self.symmetry.turns)
-            found.append(block_rates(equilibrium, modes, matrices, motions, self.fixed))
+            found.append(block_rates(equilibrium, modes, matrices, motions, self.held, length))
         return found
 
     def spectrum(self, u: Array) -> Spectrum:

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
-from pearlbvp.helfrich import Fixed
-from pearlbvp.membrane import AROUND, Grid, MembraneProblem, Surface, fixed_of_tree, of_sections
+from pearlbvp.held import AREA_AND_VOLUME, Held, known_held
+from pearlbvp.membrane import AROUND, Grid, MembraneProblem, Surface, of_sections
 from pearlbvp.projection import of_section
 from pearlbvp.representation import brief
 from pearlbvp.tube.modes import Mode, sections
@@ -45,7 +45,7 @@ class TubeShapes(MembraneProblem):
         size: largest wave numbers along and around, in periods and in folds.
         pinned: rigid motions that the symmetry leaves free, shape (r, N): solutions are perpendicular to them.
         tolerance: of the last modes' curvature, beyond which ``remesh`` takes more.
-        fixed: what perturbations keep, for stability.
+        held: what is held while stability is judged.
         free: names of the parameters that end the unknown, in the order of ``TubeParameters``: three leave a curve.
         lambda1, lambda2, v: the tube's, where they are not free.
     """
@@ -62,7 +62,7 @@ class TubeShapes(MembraneProblem):
     size: tuple[int, int]
     pinned: Array | None = None
     tolerance: float = 2e-8
-    fixed: Fixed = "area and volume"
+    held: Held = AREA_AND_VOLUME
     free: tuple[str, ...] = ("lambda1", "lambda2", "v")
     lambda1: float = 0.0
     lambda2: float = 0.0
@@ -242,7 +242,7 @@ class TubeShapes(MembraneProblem):
         tree: dict[str, Any] = {
             "period": s.period, "fold": s.fold, "turns": s.turns, "group": np.array(sorted(s.group), dtype=np.int64),
             "size": np.array(self.size, dtype=np.int64), "c0": self.c0, "length": self.length,
-            "tolerance": self.tolerance, "fixed": self.fixed,
+            "tolerance": self.tolerance, "held": str(self.held),
             "free": ",".join(self.free), "lambda1": self.lambda1, "lambda2": self.lambda2, "v": self.v,
         }  # fmt: skip
         return tree if self.pinned is None else tree | {"pinned": self.pinned}
@@ -265,5 +265,5 @@ class TubeShapes(MembraneProblem):
         kept = {name: float(tree[name]) for name in ("lambda1", "lambda2", "v")}
         return cls(
             symmetry, float(tree["c0"]), float(tree["length"]), size, tree.get("pinned"), float(tree["tolerance"]),
-            fixed_of_tree(tree), free, **kept,
+            known_held(tree["held"]), free, **kept,
         )  # fmt: skip

@@ -11,16 +11,18 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from scipy.linalg import cholesky, eigh, solve_triangular
+from numpy.typing import NDArray
+from scipy.linalg import block_diag, cholesky, eigh, solve_triangular
 from scipy.linalg.blas import dtrsv
 from scipy.linalg.lapack import dsygst
 
 from pearlbvp.arrays import Array, Complex
 from pearlbvp.constrained import restricted
 from pearlbvp.errors import SpectrumError
-from pearlbvp.helfrich import Fixed
+from pearlbvp.held import Held, Quantities, coefficients
 from pearlbvp.representation import brief
 from pearlbvp.tube.density import areas, gradients, hessians
 from pearlbvp.tube.waves import (
@@ -181,6 +183,19 @@ class Equilibrium:
         ahead, behind = (gradients(self.fields, self.c0 + step)[1] for step in (1.0, -1.0))
         return modes.linear(self.cell, self.cell.transform((ahead - behind) / 2))
 
+    def quantities(self, modes: ModeWaves, length: float) -> Quantities:
+        """Area, volume and integrated mean curvature of a tube of a length, by the cylinder's area, and by the modes.
+
+        The energy's derivative by ``c0`` is ``2 (c0 A - M)``.
+        """
+        by_area, by_volume = self.constraints(modes)
+        return Quantities(
+            np.array([self.area, self.volume, self.curvature]),
+            np.array([by_area, by_volume, self.c0 * by_area - self.by_c0(modes) / 2]),
+            coefficients(self.lambda1, self.lambda2, self.c0),
+            2 * math.pi * length,
+        )
+
     def by_length(self, modes: ModeWaves, length: float) -> tuple[Array, float]:
         """Derivatives by the length of the Lagrangian's gradient in the modes, shape (N,), and of the area's mean.
 
@@ -203,7 +218,8 @@ def block_rates(
     modes: ModeWaves,
     matrices: tuple[Array, Array],
     kernels: Sequence[Array],
-    fixed: Fixed,
+    held: Held,
+    length: float,
 ) -> tuple[Array, float]:
     """Growth rates of a block, largest first, without its rigid motions, and the largest error of the rigid motions.
 
@@ -212,19 +228,22 @@ def block_rates(
         modes: of the block.
         matrices: theirs (``Equilibrium.second_variations``).
         kernels: rigid motions in these modes.
-        fixed: what perturbations keep.
+        held: what is held.
+        length: of the tube.
     """
     second, mass = matrices
-    area, volume = equilibrium.constraints(modes)
-    # In other blocks than the solution's own both gradients vanish.
-    rows = [row for row in ((area, volume) if fixed == "area and volume" else (area,)) if np.abs(row).max() > 1e-9]
-    moving = []
+    quantities, rows, moving = equilibrium.quantities(modes, length), list[Array](), []
+    constrained: NDArray[np.inexact[Any]] = second
+    whole_mass = mass
+    if np.abs(quantities.gradients[1]).max() > 1e-9:  # in other blocks than the solution's own none of these changes
+        rows, constrained = held.constrained(second, quantities)
+        whole_mass = block_diag(mass, np.eye(len(constrained) - len(second)))
     for kernel in kernels:
         weight = kernel @ mass @ kernel
         if weight > 1e-12 * kernel @ kernel:  # else it moves the surface along itself
             moving.append(kernel / np.sqrt(weight))
-            rows.append(mass @ kernel)
-    restricted_second, restricted_mass = restricted(rows, second, mass)
+            rows.append(np.pad(mass @ kernel, (0, len(constrained) - len(second))))
+    restricted_second, restricted_mass = restricted(rows, constrained, whole_mass)
     size = len(restricted_second)
     if size == 0:
         return np.zeros(0), 0.0

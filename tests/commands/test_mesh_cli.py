@@ -81,10 +81,10 @@ def test_it_is_resumed_under_any_family_s_name(capsys, saved, coil):
 def test_pressure_is_kept_on_meshes_too(capsys, tmp_path):
     """``test_mesh_branch`` switches branches from files; here what the options say of stability arrives."""
     options = ["--c0", 0, "--length", 10, "--nodes", 100, "--max-points", 2, "--save", tmp_path / "b.h5"]
-    for further, fixed in (([], "area and volume"), (["--pressure", "--discretization", "cotangent"], "area")):
+    for further, held in (([], "area,volume"), (["--pressure", "--discretization", "cotangent"], "area,pressure")):
         assert run(capsys, "branch", "ring", *options, *further)[0] == 0
         problem = load(tmp_path / "b.h5").points[-1].problem
-        assert (problem.fixed, problem.kind) == (fixed, "cotangent" if further else "subdivision")
+        assert (str(problem.held), problem.kind) == (held, "cotangent" if further else "subdivision")
 
 
 def interrupted_in_compiled_code(*_):

@@ -13,6 +13,7 @@ from pearlbvp.flows.driver import FlowOptions
 from pearlbvp.flows.record import Equilibrium
 from pearlbvp.flows.steady import polished
 from pearlbvp.flows.tube import TubeFlow
+from pearlbvp.held import AREA_AND_VOLUME
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies import flow_end
 from pearlbvp.studies.branch import branch_options, family_branch
@@ -202,7 +203,7 @@ def test_in_the_general_space_phase_conditions_hold_the_shape():
     known = {mode: value for mode, value in start.problem.known(end.q).items() if (mode.p, mode.harmonic) != (0, 1)}
     position = StandardPosition(TubeSymmetry(1, 1, 0, frozenset(range(16))), known, 0.0, 0.0, (0.0, 0.0), False)
     assert position.family == "mixed"
-    problem, u = flow_end._tubes(end, position, "area and volume")
+    problem, u = flow_end._tubes(end, position, AREA_AND_VOLUME)
     assert problem.pinned.shape[0] == 2
     for name in SAME:
         assert problem.observables(u)[name] == pytest.approx(there.observables[name], abs=1e-10)
@@ -338,7 +339,7 @@ def test_equal_pearls_are_pearls_of_a_period():
 def test_at_given_pressure_volume_is_free():
     there = tubes(0.0, "coil", (1, 1), 0.9)
     start = tube_start(there.problem, there.u, size=(10, 10), law="area")
-    branch = family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.9}), fixed="area")
+    branch = family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.9}), fix="area,pressure")
     spectrum = stability(end_of(start))
     assert spectrum.n_unstable == branch.points[-1].spectrum.n_unstable
     assert spectrum.mu_crit == pytest.approx(branch.points[-1].spectrum.mu_crit, abs=1e-8)

@@ -212,7 +212,11 @@ def test_pinned_elimination_with_borders():
     allowed = np.linalg.svd(rows)[2][3:].T
     negative = int((np.linalg.eigvalsh(allowed.T @ dense @ allowed) < 0).sum())
     assert negative > 0
-    assert pinned.negative(rows) == negative
+    assert pinned.negative(rows, np.zeros((3, 3))) == negative
+    stiff = np.diag([0.0, 0.0, -1.0])  # the last row is no constraint, but a spring
+    allowed = np.linalg.svd(rows[:2])[2][2:].T
+    stiffened = allowed.T @ (dense + np.outer(rows[2], rows[2])) @ allowed
+    assert pinned.negative(rows, stiff) == int((np.linalg.eigvalsh(stiffened) < 0).sum())
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -11,12 +11,15 @@ from support import pearls
 
 from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.elimination import transfer_pencil
+from pearlbvp.held import Held
 from pearlbvp.stability.bloch import SecondVariation, growth_rates
 from pearlbvp.stability.floquet import jacobi_matrices, multipliers, neutral_cosines
 from pearlbvp.stability.isothermal import Isothermal
 from pearlbvp.stability.profile import Profile
 from pearlbvp.stability.spectrum import spectrum
 from pearlbvp.theory.dispersion import growth_rate
+
+NOTHING_HELD = Held(area=False, volume=False)
 
 
 def cylinder(c0, lambda2, period, half=True, intervals=12):
@@ -29,7 +32,7 @@ def cylinder(c0, lambda2, period, half=True, intervals=12):
 @given(st.floats(-1, 1), st.floats(-2, 2), st.floats(0, 2 * math.pi), st.integers(0, 4))
 def test_bloch_on_the_cylinder_is_the_dispersion_relation(c0, lambda2, theta, n):
     period = 7.0
-    rates = SecondVariation.of(cylinder(c0, lambda2, period), 32).growth_rates(n, theta, fixed="nothing")
+    rates = SecondVariation.of(cylinder(c0, lambda2, period), 32).growth_rates(n, theta, held=NOTHING_HELD)
     k = (theta + 2 * np.pi * np.arange(-16, 16)) / period
     expected = np.sort(growth_rate(k, n, lambda2, c0))[::-1]
     np.testing.assert_allclose(rates[:5], expected[:5], atol=1e-9 * (1 + np.abs(expected).max()))
@@ -212,8 +215,8 @@ def test_parities_split_the_spectrum_and_nothing_is_lost():
     variation = SecondVariation.of(problem.profile(u), 96)
     for n in range(3):
         for theta in (0.0, math.pi):
-            whole = variation.growth_rates(n, theta, fixed="nothing")
-            parts = [variation.growth_rates(n, theta, parity, fixed="nothing") for parity in ("even", "odd")]
+            whole = variation.growth_rates(n, theta, held=NOTHING_HELD)
+            parts = [variation.growth_rates(n, theta, parity, held=NOTHING_HELD) for parity in ("even", "odd")]
             np.testing.assert_allclose(np.sort(np.concatenate(parts))[::-1][:8], whole[:8], atol=1e-8)
 
 
@@ -259,4 +262,4 @@ def test_a2_is_stable_with_its_least_stable_mode_in_n_1():
     assert found.mu_crit == pytest.approx(-2.1192, abs=1e-4)
     assert found.residual < 1e-7
     # At given pressure the pearl is a saddle: its volume can change (it bifurcates subcritically in lambda2).
-    assert spectrum(problem.profile(u), fixed="area").n_unstable in (0, 1)
+    assert spectrum(problem.profile(u), held=Held(volume=False)).n_unstable in (0, 1)

@@ -167,7 +167,7 @@ def test_at_given_pressure_pearls_have_the_growth_rate_2bA2():
     tube = Tube(0.0, 10)
     equation = amplitude_equation(tube, (1, 0))
     branch = family_branch(
-        Tube(0.0, 10), "pearl", (1, 0), branch_options(step=0.004, max_step=0.004, max_points=12), fixed="area"
+        Tube(0.0, 10), "pearl", (1, 0), branch_options(step=0.004, max_step=0.004, max_points=12), fix="area,pressure"
     )
     squares, ratios = [], []
     for entry in branch.points[4:]:

@@ -103,7 +103,7 @@ def test_turning_points_of_c0_are_folds_and_no_branch_points():
 
 def test_at_given_pressure_stability_changes_where_lambda2_turns():
     options = branch_options({"v": 1.06})
-    pressure = family_branch(Tube(-0.8, 25), "pearl", (3, 0), options, fixed="area")
+    pressure = family_branch(Tube(-0.8, 25), "pearl", (3, 0), options, fix="area,pressure")
     volume = family_branch(Tube(-0.8, 25), "pearl", (3, 0), options)
     (fold,) = pressure.find("fold:lambda2")
     own = Block(0, 0, 3, "even")

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from support.commands import run
 
 from pearlbvp.errors import InputError
+from pearlbvp.held import Held
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.onward import STRAIGHT_WAVE, followed, switched, varied
@@ -174,7 +175,10 @@ def test_what_perturbations_keep_and_the_branch_does_not(coils):
     ):
         problem, _ = point.problem.freeing(point.u, *free)
         assert problem.conserved == expected
-        assert replace(problem, fixed="area").conserved == {"v": "lambda2", "c0": "", "L": "", "": "c0"}[expected]
+        assert (
+            replace(problem, held=Held(volume=False)).conserved
+            == {"v": "lambda2", "c0": "", "L": "", "": "c0"}[expected]
+        )
     with pytest.raises(ValueError, match="^free: "):
         point.problem.freeing(point.u, "volume")
     with pytest.raises(ValueError, match="^second: "):
