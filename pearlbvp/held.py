@@ -48,6 +48,17 @@ class Quantities(NamedTuple):
     coefficients: Array
     unit: float
 
+    def stretched(self) -> tuple[Array, float, Quantities]:
+        """With one coordinate more, ``e`` times the root of the area, for lengths times ``1 + e``.
+
+        Returns:
+            The second variation between that and the others, shape (N,), that of itself alone, and the quantities.
+        """
+        values, gradients, p, _ = self
+        by_e = DEGREES / math.sqrt(values[0])
+        alone = float(p * by_e * (DEGREES - 1) @ values) / math.sqrt(values[0])
+        return p * by_e @ gradients, alone, self._replace(gradients=np.column_stack((gradients, by_e * values)))
+
 
 def coefficients(lambda1: float, lambda2: float, c0: float) -> Array:
     """Of area, volume and integrated mean curvature in the Lagrangian, shape (3,)."""
@@ -130,12 +141,8 @@ class Held:
             The rows, each of shape (N,), and the second variation, shape (N, N); N + 1 where the length is free.
         """
         if not self.length:
-            values, gradients, p, _ = quantities
-            by_e = DEGREES / math.sqrt(values[0])
-            both = p * by_e @ gradients
-            alone = p * by_e * (DEGREES - 1) / math.sqrt(values[0]) @ values
+            both, alone, quantities = quantities.stretched()
             second = np.block([[second, both[:, None]], [both[None, :], alone]])
-            quantities = quantities._replace(gradients=np.column_stack((gradients, by_e * values)))
         for row, factor in self.stiffnesses(quantities):
             second = second + factor * np.outer(row, row)
         return self.rows(quantities.gradients), second

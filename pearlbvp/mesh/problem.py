@@ -23,7 +23,7 @@ from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Pinned
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.errors import InputError, SpectrumError
+from pearlbvp.errors import SpectrumError
 from pearlbvp.held import AREA_AND_VOLUME, Held, known_held
 from pearlbvp.membrane import MembraneProblem
 from pearlbvp.mesh.adaptation import (
@@ -83,10 +83,6 @@ class MeshProblem(MembraneProblem):
     held: Held = AREA_AND_VOLUME
     adapt: AdaptOptions = field(default_factory=AdaptOptions)
     orbits: Integers | None = None
-
-    def __post_init__(self) -> None:
-        if not self.held.length:
-            raise InputError("fix: a mesh keeps its length, so that no force is given; leave out force, or nodes")
 
     @property
     def length(self) -> float:

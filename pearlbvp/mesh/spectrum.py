@@ -177,11 +177,21 @@ def perturbations(
     quantities = functional.quantities(vertices, directions, sums, coefficients(lambda1, lambda2, c0))
     smoothed = smoothing(second, mass, pins)
     rigid, moved = independent(motions, smoothed, mass)
-    size = np.linalg.norm(motions[1])
+    residual = float(np.abs(np.linalg.eigvalsh(moved.T @ (second @ moved))).max())
+    count, size = len(vertices), np.linalg.norm(motions[1])
+    if not held.length:  # one more coordinate, an orbit of its own, which like a pin couples with all others
+        both, alone, quantities = quantities.stretched()
+        second = sparse.bmat([[second, both[:, None]], [both[None, :], [[alone]]]]).tocsc()
+        mass, pins = sparse.block_diag((mass, 1.0)).tocsc(), np.append(pins, count)
+        rigid = np.pad(rigid, ((0, 0), (0, 1)))
+        orbits = None if orbits is None else np.append(orbits, orbits.max() + 1)
     kept = [row * size / np.linalg.norm(row) for row in held.rows(quantities.gradients)]
-    constraints = independent(np.array(kept), smoothed, mass)[0] if kept else rigid[:0]
+    constraints = np.array(kept).reshape(-1, len(rigid.T))
+    if len(kept) and held.length:  # else no shape has changes of area and volume, and of the length, that are parallel
+        constraints, _ = independent(constraints, smoothed, mass)
     modes = leading(second, mass, np.vstack((constraints, rigid)), pins, counts, orbits, held.stiffnesses(quantities))
-    return replace(modes, residual=float(np.abs(np.linalg.eigvalsh(moved.T @ (second @ moved))).max()))
+    vectors = {block: found[:count] for block, found in modes.vectors.items()}
+    return replace(modes, vectors=vectors, residual=residual)
 
 
 DENSE = 300
