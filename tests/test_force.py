@@ -116,11 +116,12 @@ def test_the_curvature_of_a_mesh_has_its_gradient(kind):
     shape, way = (0.05 * rng.standard_normal(mesh.count) for _ in range(2))
     directions = functional.directions
 
-    def curvature(step):
-        return functional.curvature(mesh.vertices + (shape + step * way)[:, None] * directions, directions)[0]
+    def curvature(step, c0=0.3):
+        vertices = mesh.vertices + (shape + step * way)[:, None] * directions
+        return functional.curvature(vertices, directions, c0, functional.sums(vertices, directions, c0))
 
-    slope = functional.curvature(mesh.vertices + shape[:, None] * directions, directions)[1] @ way
-    assert derivative(curvature, 0.0, 1e-3) == pytest.approx(slope, rel=1e-8)
+    assert derivative(lambda step: curvature(step)[0], 0.0, 1e-3) == pytest.approx(curvature(0.0)[1] @ way, rel=1e-8)
+    assert curvature(0.0, c0=-2.0)[0] == pytest.approx(curvature(0.0)[0], rel=1e-11)
 
 
 @pytest.mark.parametrize("kind", ["subdivision", "cotangent"])

@@ -241,14 +241,15 @@ class MeshFlow:
 
     def observables(self, q: Array, multipliers: Array) -> dict[str, float]:
         """Energy by area, multipliers, reduced volume; radii are measured from the sections' centres."""
-        energy, area, volume = self._sums(q).values
-        functional, vertices = self.reference.functional, self.vertices(q)
+        sums, functional, vertices = self._sums(q), self.reference.functional, self.vertices(q)
+        (energy, area, volume), r = sums.values, self.reference
+        curvature, _ = functional.curvature(vertices, r.directions, r.c0, sums)
         thin, thick = radii(functional, vertices)
         return {
             "lambda1": float(multipliers[0]), "lambda2": self._lambda2(multipliers), "E": float(energy / area),
             "area": float(area / self.unit), "volume": float(volume / self.unit),
             "v": float(volume / (math.pi * self.length)), "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick,
-            "c0": self.reference.c0, "L": self.length, "M": functional.curvature(vertices, self.reference.directions)[0],
+            "c0": r.c0, "L": self.length, "M": curvature,
         }  # fmt: skip
 
     def trouble(self, q: Array) -> Trouble | None:

@@ -185,18 +185,19 @@ class Functional:
         none = np.zeros(0, dtype=np.int64)
         return self._sum(vertices, directions, c0, 0.0, 0.0, none, np.zeros(0))
 
-    def curvature(self, vertices: Array, directions: Array) -> tuple[float, Array]:
-        """Integral of the mean curvature of one period, and its gradient, shape (V,).
+    def curvature(self, vertices: Array, directions: Array, c0: float, sums: Sums) -> tuple[float, Array]:
+        """Integral of the mean curvature of one period, and its gradient, shape (V,), from the sums at the same place.
 
-        The energy is ``E(0) - 2 c0 M + c0^2 A``, on a mesh too.
+        The energy's derivative by ``c0`` is ``2 (c0 A - M)``, on a mesh too. The energy is a polynomial of degree two in
+        ``c0``, with the area as the coefficient of the square, so that differences are exact.
         """
-        (at_zero, area, _), (slope_at_zero, by_area, _) = self.sums(vertices, directions, 0.0)
-        (at_one, *_), (slope_at_one, *_) = self.sums(vertices, directions, 1.0)
-        return float(at_zero - at_one + area) / 2, (slope_at_zero - slope_at_one + by_area) / 2
+        (ahead, *_), (slope_ahead, *_) = self.sums(vertices, directions, c0 + 1)
+        (here, area, _), (slope, by_area, _) = sums
+        return c0 * float(area) - float(ahead - here - area) / 2, c0 * by_area - (slope_ahead - slope - by_area) / 2
 
     def quantities(self, vertices: Array, directions: Array, sums: Sums, p: Array) -> Quantities:
         """Area, volume and integrated mean curvature, from the sums at the same place, with coefficients ``p``."""
-        curvature, by_curvature = self.curvature(vertices, directions)
+        curvature, by_curvature = self.curvature(vertices, directions, -p[2] / 2, sums)
         gradients = np.vstack((sums.gradients[1:], by_curvature))
         return Quantities(np.append(sums.values[1:], curvature), gradients, p, 1.0)
 

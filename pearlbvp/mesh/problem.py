@@ -167,12 +167,13 @@ class MeshProblem(MembraneProblem):
 
     def observables(self, u: Array) -> dict[str, float]:
         """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L, M, force``; radii are from the sections' centres."""
-        energy, area, _ = self._sums(u).values
+        sums = self._sums(u)
+        energy, area, _ = sums.values
         thin, thick = radii(self.functional, self.vertices(u))
         observed = {
             "lambda1": float(u[-3]), "lambda2": float(u[-2]), "v": float(u[-1]), "E": float(energy / area),
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,
-            "M": self.functional.curvature(self.vertices(u), self.directions)[0],
+            "M": self.functional.curvature(self.vertices(u), self.directions, self.c0, sums)[0],
         }  # fmt: skip
         return self.completed(observed)
 

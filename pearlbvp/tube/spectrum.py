@@ -140,9 +140,20 @@ class Equilibrium:
 
     @property
     def curvature(self) -> float:
-        """Integral of the mean curvature by area of the cylinder: the energy is ``E(0) - 2 c0 M + c0^2 A``."""
-        at_zero, at_one = (float(gradients(self.fields, c0)[0].mean()) for c0 in (0.0, 1.0))
-        return (at_zero - at_one + self.area) / 2
+        """Integral of the mean curvature by area of the cylinder: the energy's derivative by ``c0`` is ``2 (c0 A - M)``."""
+        return self.c0 * self.area - float(self._by_c0[0].mean()) / 2
+
+    @cached_property
+    def _by_c0(self) -> tuple[Array, Array]:
+        """Derivatives by ``c0`` of the energy's density, shape (K,), and of its gradient in the fields, shape (10, K).
+
+        It is a polynomial of degree two, with the area as the coefficient of the square, so that differences are exact.
+        """
+        (ahead, slopes_ahead), (here, slopes) = gradients(self.fields, self.c0 + 1), self._gradients
+        element, by_area = self.areas
+        change = slopes_ahead - slopes
+        change[:4] -= by_area
+        return ahead - here - element, change
 
     def torque(self, places: Array) -> float:
         """``dE/d(twist)`` at fixed area, volume and length: what turns the tube's ends against each other.
@@ -176,18 +187,11 @@ class Equilibrium:
         return modes.linear(self.cell, area, range(4)), modes.linear(self.cell, volume, range(3, 4))
 
     def by_c0(self, modes: ModeWaves) -> Array:
-        """Derivative by ``c0`` of the energy's gradient in the modes, shape (N,).
-
-        The energy is a polynomial of degree two in ``c0``, so that its central difference over any step is exact.
-        """
-        ahead, behind = (gradients(self.fields, self.c0 + step)[1] for step in (1.0, -1.0))
-        return modes.linear(self.cell, self.cell.transform((ahead - behind) / 2))
+        """Derivative by ``c0`` of the energy's gradient in the modes, shape (N,)."""
+        return modes.linear(self.cell, self.cell.transform(self._by_c0[1]))
 
     def quantities(self, modes: ModeWaves, length: float) -> Quantities:
-        """Area, volume and integrated mean curvature of a tube of a length, by the cylinder's area, and by the modes.
-
-        The energy's derivative by ``c0`` is ``2 (c0 A - M)``.
-        """
+        """Area, volume and integrated mean curvature of a tube of a length, by the cylinder's area, and by the modes."""
         by_area, by_volume = self.constraints(modes)
         return Quantities(
             np.array([self.area, self.volume, self.curvature]),
@@ -232,17 +236,19 @@ def block_rates(
         length: of the tube.
     """
     second, mass = matrices
-    quantities, rows, moving = equilibrium.quantities(modes, length), list[Array](), []
+    rows: list[Array] = []
+    moving: list[Array] = []
     constrained: NDArray[np.inexact[Any]] = second
     whole_mass = mass
-    if np.abs(quantities.gradients[1]).max() > 1e-9:  # in other blocks than the solution's own none of these changes
-        rows, constrained = held.constrained(second, quantities)
+    by_volume = equilibrium.constraints(modes)[1]
+    if np.abs(by_volume).max() > 1e-9:  # in other blocks than the solution's own nothing changes that may be held
+        rows, constrained = held.constrained(second, equilibrium.quantities(modes, length))
         whole_mass = block_diag(mass, np.eye(len(constrained) - len(second)))
     for kernel in kernels:
         weight = kernel @ mass @ kernel
         if weight > 1e-12 * kernel @ kernel:  # else it moves the surface along itself
             moving.append(kernel / np.sqrt(weight))
-            rows.append(np.pad(mass @ kernel, (0, len(constrained) - len(second))))
+            rows.append(np.append(mass @ kernel, np.zeros(len(constrained) - len(second))))
     restricted_second, restricted_mass = restricted(rows, constrained, whole_mass)
     size = len(restricted_second)
     if size == 0:
