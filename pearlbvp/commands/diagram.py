@@ -98,6 +98,9 @@ def diagram(
     else:
         branches = _computed(c0, length, depth, modes, until, processes, units)  # type: ignore[arg-type]
     table = units.columns(together(branches))
+    for option, name in (("--x", x), ("--y", y)):
+        if name not in table:
+            raise InputError(f"{option}: no branch here has {name}; choose another column")
 
     def draw() -> Figure:
         from pearlbvp.figures.diagram import draw_plane
@@ -116,9 +119,9 @@ def _check_columns(*names: str) -> None:
     Raises:
         InputError: the option, and the columns that there are.
     """
-    from pearlbvp.studies.branch import COLUMNS
+    from pearlbvp.studies.branch import COLUMNS, FURTHER
 
-    numbers = [name for name in COLUMNS if name not in ("point", "special", "critical")]
+    numbers = [name for name in (*COLUMNS, *FURTHER) if name not in ("point", "special", "critical")]
     for option, name in zip(("--x", "--y"), names, strict=True):
         if name not in numbers:
             raise InputError(f"{option}: {name!r} is no column with numbers; choose one of {', '.join(numbers)}")

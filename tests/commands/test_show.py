@@ -295,6 +295,7 @@ def test_the_diagram_of_a_tube_is_that_of_its_study(capsys, tmp_path):
         (["--c0", "0"], "FILE, --c0, --length: "),
         (["pearl", "--depth", "1"], "--depth: it does not go with FILE.h5; leave one of the two out"),
         (["pearl", "--x", "critical"], "--x: 'critical' is no column with numbers"),
+        (["pearl", "--x", "osmolarity"], "--x: no branch here has osmolarity"),
         (["pearl", "pearl"], "is given twice"),
         (["--c0", "0", "--length", "10", "--y", "e"], "--y: 'e' is no column with numbers"),
     ],
