@@ -32,7 +32,7 @@ PHYSICAL = {
     "t": R**4 / (2 * KAPPA),
     # dA/dt = A (a p + b A^2), lambda1 changes by 2 alpha2 A^2
     "a": 1 / R, **dict.fromkeys(("b", "b1", "b2"), 2 * KAPPA / R**6), "alpha2": 2 * KAPPA / R**4,
-    "area": R**2, "volume": R**3, "force": 2 * KAPPA / R, "torque": 2 * KAPPA,
+    "M0": R, "osmolarity": 2 * KAPPA / R**3, "area": R**2, "volume": R**3, "force": 2 * KAPPA / R, "torque": 2 * KAPPA,
 }  # fmt: skip
 NM = ["--radius", "50nm", "--kappa", "20kT"]
 UM = ["--radius", "0.05um", "--kappa", "60kT", "--temperature", f"{310 / 3!r}K"]
@@ -81,7 +81,10 @@ FROM_A_TUBE = {
     "period": (["--c0", "{c0}", "--lengths", "{L}", "--volume", "1.01", "--processes", "1"], ()),
     "amplitude": (["--c0", "{c0}", "--length", "{L}", "--mode", "2,0", "--mode", "1,1"], ("--branch",)),
     "amplitude-map": (["--c0", "{c0},{c1}", "--lengths", "{L},{L1}"], ("--meetings",)),
-    "branch pearl": (["--c0", "{c0}", "--length", "{L}", "--mode", "2,0", "--max-points", "3"], ()),
+    "branch pearl": (
+        ["--c0", "{c0}", "--length", "{L}", "--mode", "2,0", "--max-points", "3", "--fix", "osmotic=90,ade=1"],
+        (),
+    ),
     "branch ring": (["--c0", "{c1}", "--length", "{L}", "--max-points", "3"], ()),
     "mesh": (["--c0", "{c0}", "--length", "{half}", "--nodes", "400"], ()),
 }
