@@ -54,7 +54,7 @@ def test_solutions_and_inertia_are_those_of_dense_algebra(factorize, shift):
 def test_the_second_variation_of_a_tube_as_by_dense_algebra(factorize):
     functional = Functional(tube_mesh(10.0, 400))
     vertices = functional.vertices_near(functional.mesh.vertices)
-    second, _ = functional.hessian(vertices, functional.directions, 0.0, 30.0, -30.0)  # past the first branch points
+    second = functional.hessian(vertices, functional.directions, 0.0, 30.0, -30.0)  # past the first branch points
     free = np.setdiff1d(np.arange(functional.mesh.count), functional.pins)
     held = second[free][:, free].tocsc()
     dense, load = held.toarray(), np.sin(np.arange(len(free), dtype=float))

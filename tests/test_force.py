@@ -9,6 +9,7 @@ from support.other_tubes import derivative, on_tube, stretched
 from support.shapes import SHAPES, pearl, shape
 
 import pearlbvp as pb
+from pearlbvp.held import coefficients
 from pearlbvp.helfrich import cylinder_force
 from pearlbvp.mesh.families import tube_mesh
 from pearlbvp.mesh.functional import Functional
@@ -109,19 +110,31 @@ def test_a_mesh_has_the_force_of_the_smooth_shape():
 
 
 @pytest.mark.parametrize("kind", ["subdivision", "cotangent"])
+def test_the_curvature_of_a_mesh_is_the_slope_of_its_energy_in_c0(kind):
+    """``E(c0) = E(0) - 2 c0 M + c0^2 A``, exactly."""
+    functional = Functional(tube_mesh(6.0, 150), kind)
+    shape = 0.05 * np.random.default_rng(3).standard_normal(functional.mesh.count)
+    vertices = functional.mesh.vertices + shape[:, None] * functional.directions
+    (above, area, _), (below, *_) = (functional.sums(vertices, functional.directions, c0).values for c0 in (1.3, -0.7))
+    curvature = functional.sums(vertices, functional.directions, 0.3).curvature
+    assert curvature == pytest.approx(((1.3**2 - 0.7**2) * area - above + below) / 4, rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["subdivision", "cotangent"])
 def test_the_curvature_of_a_mesh_has_its_gradient(kind):
-    mesh = tube_mesh(6.0, 150)
-    functional = Functional(mesh, kind)
+    functional = Functional(tube_mesh(6.0, 150), kind)
     rng = np.random.default_rng(3)
-    shape, way = (0.05 * rng.standard_normal(mesh.count) for _ in range(2))
+    shape, way = (0.05 * rng.standard_normal(functional.mesh.count) for _ in range(2))
     directions = functional.directions
 
-    def curvature(step, c0=0.3):
-        vertices = mesh.vertices + (shape + step * way)[:, None] * directions
-        return functional.curvature(vertices, directions, c0, functional.sums(vertices, directions, c0))
+    def quantities(step, c0=0.3):
+        vertices = functional.mesh.vertices + (shape + step * way)[:, None] * directions
+        sums = functional.sums(vertices, directions, c0)
+        return functional.quantities(vertices, directions, sums, coefficients(0.0, 0.0, c0))
 
-    assert derivative(lambda step: curvature(step)[0], 0.0, 1e-3) == pytest.approx(curvature(0.0)[1] @ way, rel=1e-8)
-    assert curvature(0.0, c0=-2.0)[0] == pytest.approx(curvature(0.0)[0], rel=1e-11)
+    slopes = derivative(lambda step: quantities(step).values, 0.0, 1e-3)
+    assert slopes == pytest.approx(quantities(0.0).gradients @ way, rel=1e-8)
+    assert quantities(0.0, c0=-2.0).gradients[2] @ way == pytest.approx(slopes[2], rel=1e-8)
 
 
 @pytest.mark.parametrize("kind", ["subdivision", "cotangent"])

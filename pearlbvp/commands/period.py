@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 @click.option(
     "--volume", type=Number(), help="Find the number of equal pearls of least energy at this reduced volume, too."
 )
-@click.option("--processes", type=click.IntRange(min=1), help="How many to use, over several c0.  [default: one a core]")
+@click.option(
+    "--processes", type=click.IntRange(min=1), help="How many to use, over several c0.  [default: one a core]"
+)
 @outputs
 @radius_option
 def period(

@@ -28,9 +28,9 @@ import numpy as np
 from pearlbvp.arrays import Array
 from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
-from pearlbvp.flows.last import Last
 from pearlbvp.flows.problem import Law, Trouble, check_law
 from pearlbvp.flows.spectrum import growth_rates
+from pearlbvp.last import Last
 from pearlbvp.representation import brief
 from pearlbvp.units import Sentence
 

@@ -22,9 +22,9 @@ from scipy.sparse.linalg import splu
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.factorization import factorized
-from pearlbvp.flows.last import Last
 from pearlbvp.flows.problem import Law, Trouble, check_law
 from pearlbvp.held import Held
+from pearlbvp.last import Last
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -71,7 +71,7 @@ class _Shape:
 
     @cached_property
     def sums(self) -> Sums:
-        """Energy, area and volume with their gradients."""
+        """Energy, area and volume with their gradients, and the mean curvature."""
         r = self.reference
         return r.functional.sums(r.vertices(self.q), r.directions, r.c0)
 
@@ -181,7 +181,7 @@ class MeshFlow:
     def _second(self, q: Array, multipliers: Array) -> sparse.csc_matrix:
         """Second variation of ``F``."""
         r, lambda1, lambda2 = self.reference, float(multipliers[0]), self._lambda2(multipliers)
-        return r.functional.hessian(self.vertices(q), r.directions, r.c0, lambda1, lambda2)[0]
+        return r.functional.hessian(self.vertices(q), r.directions, r.c0, lambda1, lambda2)
 
     def columns(self, q: Array) -> Array:
         """Gradients of what the flow keeps, as columns."""
@@ -241,15 +241,15 @@ class MeshFlow:
 
     def observables(self, q: Array, multipliers: Array) -> dict[str, float]:
         """Energy by area, multipliers, reduced volume; radii are measured from the sections' centres."""
-        sums, functional, vertices = self._sums(q), self.reference.functional, self.vertices(q)
-        (energy, area, volume), r = sums.values, self.reference
-        curvature, _ = functional.curvature(vertices, r.directions, r.c0, sums)
+        sums = self._sums(q)
+        energy, area, volume = sums.values
+        functional, vertices = self.reference.functional, self.vertices(q)
         thin, thick = radii(functional, vertices)
         return {
             "lambda1": float(multipliers[0]), "lambda2": self._lambda2(multipliers), "E": float(energy / area),
             "area": float(area / self.unit), "volume": float(volume / self.unit),
             "v": float(volume / (math.pi * self.length)), "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick,
-            "c0": r.c0, "L": self.length, "M": curvature,
+            "c0": self.reference.c0, "L": self.length, "M": sums.curvature,
         }  # fmt: skip
 
     def trouble(self, q: Array) -> Trouble | None:

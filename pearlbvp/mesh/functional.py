@@ -24,7 +24,7 @@ from scipy import sparse
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import spread
 from pearlbvp.held import Quantities
-from pearlbvp.mesh.limit import limit_mass, limit_sums
+from pearlbvp.mesh.limit import limit_hessian, limit_mass, limit_sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals, volume_gradient
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.polyhedron import star_sums
@@ -36,10 +36,17 @@ Kind = Literal["subdivision", "cotangent"]
 
 
 class Sums(NamedTuple):
-    """Values and gradients of energy, area and volume."""
+    """Sums over one period.
+
+    Attributes:
+        values: energy, area, volume, shape (3,).
+        gradients: of these, shape (3, V).
+        curvature: integral of the mean curvature.
+    """
 
     values: Array
     gradients: Array
+    curvature: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +108,9 @@ class Stencils:
         return limit_matrix(self.mesh)[1:]
 
 
+NOWHERE = np.zeros(0, dtype=np.int64)
+"""Places in a matrix that is not wanted."""
+
 PINS = 16
 """Vertices held in a factorization: more than there are near kernels, few enough to cost nothing."""
 
@@ -150,65 +160,37 @@ class Functional:
         _, rows, columns = self.stencils.pattern
         return sparse.csc_matrix((data, rows, columns), shape=(self.mesh.count, self.mesh.count))
 
-    def _sum(
-        self,
-        vertices: Array,
-        directions: Array,
-        c0: float,
-        lambda1: float,
-        lambda2: float,
-        place: Integers,
-        data: Array,
-    ) -> Sums:
-        if self.kind == "subdivision":
-            p = self.stencils.patches
-            values, gradients = limit_sums(
-                vertices,
-                directions,
-                p.start,
-                p.index,
-                p.weights,
-                p.offsets,
-                p.weight,
-                c0,
-                lambda1,
-                lambda2,
-                place,
-                data,
-            )
-        else:
-            values, gradients = star_sums(vertices, directions, *self.stencils.stars, c0, lambda1, lambda2, place, data)
-        return Sums(values, gradients)
-
     def sums(self, vertices: Array, directions: Array, c0: float) -> Sums:
-        """Energy, area and volume of one period, shape (3,), and their gradients along ``directions``, shape (3, V)."""
-        none = np.zeros(0, dtype=np.int64)
-        return self._sum(vertices, directions, c0, 0.0, 0.0, none, np.zeros(0))
-
-    def curvature(self, vertices: Array, directions: Array, c0: float, sums: Sums) -> tuple[float, Array]:
-        """Integral of the mean curvature of one period, and its gradient, shape (V,), from the sums at the same place.
-
-        The energy's derivative by ``c0`` is ``2 (c0 A - M)``, on a mesh too. The energy is a polynomial of degree two in
-        ``c0``, with the area as the coefficient of the square, so that differences are exact.
-        """
-        (ahead, *_), (slope_ahead, *_) = self.sums(vertices, directions, c0 + 1)
-        (here, area, _), (slope, by_area, _) = sums
-        return c0 * float(area) - float(ahead - here - area) / 2, c0 * by_area - (slope_ahead - slope - by_area) / 2
+        """Energy, area, volume and integral of the mean curvature of one period, and gradients along ``directions``."""
+        if self.kind == "subdivision":
+            values, gradients = limit_sums(self.stencils.patches, vertices, directions, c0)
+        else:
+            stars, none = self.stencils.stars, np.zeros(0)
+            values, gradients = star_sums(vertices, directions, *stars, c0, 0.0, 0.0, NOWHERE, none)
+        return Sums(values[:3], gradients, float(values[3]))
 
     def quantities(self, vertices: Array, directions: Array, sums: Sums, p: Array) -> Quantities:
-        """Area, volume and integrated mean curvature, from the sums at the same place, with coefficients ``p``."""
-        curvature, by_curvature = self.curvature(vertices, directions, -p[2] / 2, sums)
-        gradients = np.vstack((sums.gradients[1:], by_curvature))
-        return Quantities(np.append(sums.values[1:], curvature), gradients, p, 1.0)
+        """Area, volume and integrated mean curvature, from the sums at the same place, with coefficients ``p``.
+
+        The energy's derivative by ``c0`` is ``2 (c0 A - M)``, on a mesh too, and the energy is a polynomial of degree two in
+        ``c0``, with the area as the coefficient of the square, so that the difference of its gradients is exact.
+        """
+        c0 = -p[2] / 2
+        ahead, here, by_area = self.sums(vertices, directions, c0 + 1).gradients[0], *sums.gradients[:2]
+        gradients = np.vstack((sums.gradients[1:], c0 * by_area - (ahead - here - by_area) / 2))
+        return Quantities(np.append(sums.values[1:], sums.curvature), gradients, p, 1.0)
 
     def hessian(
         self, vertices: Array, directions: Array, c0: float, lambda1: float, lambda2: float
-    ) -> tuple[sparse.csc_matrix, Sums]:
-        """Second derivative of ``E + lambda1 A + lambda2 V`` along ``directions``, shape (V, V), with the sums."""
+    ) -> sparse.csc_matrix:
+        """Second derivative of ``E + lambda1 A + lambda2 V`` along ``directions``, shape (V, V)."""
         place, rows, _ = self.stencils.pattern
         data = np.zeros(len(rows))
-        sums = self._sum(vertices, directions, c0, lambda1, lambda2, place, data)
-        return self._matrix(data), sums
+        if self.kind == "subdivision":
+            limit_hessian(self.stencils.patches, vertices, directions, c0, lambda1, lambda2, place, data)
+        else:
+            star_sums(vertices, directions, *self.stencils.stars, c0, lambda1, lambda2, place, data)
+        return self._matrix(data)
 
     def normal_mass(self, vertices: Array, directions: Array) -> tuple[sparse.csc_matrix, Array]:
         """Mean square of normal displacements, and rigid motions in it.
@@ -222,9 +204,7 @@ class Functional:
             place, rows, _ = self.stencils.pattern
             data = np.zeros(len(rows))
             still = np.zeros(self.mesh.count)
-            motions = limit_mass(
-                vertices, directions, p.start, p.index, p.weights, p.offsets, p.weight, still, place, data
-            )
+            motions = limit_mass(p, vertices, directions, still, place, data)
             return self._matrix(data), motions[:4]
         normals = volume_gradient(self.mesh.moved(vertices))
         mass = barycentric_mass(self.mesh.moved(vertices))
@@ -236,10 +216,8 @@ class Functional:
         """The mass matrix times a displacement, both of shape (V,), without the matrix."""
         if self.kind == "cotangent":
             return np.asarray(self.normal_mass(vertices, directions)[0] @ rate)
-        p, none = self.stencils.patches, np.zeros(0, dtype=np.int64)
-        return limit_mass(
-            vertices, directions, p.start, p.index, p.weights, p.offsets, p.weight, rate, none, np.zeros(0)
-        )[4]
+        p = self.stencils.patches
+        return limit_mass(p, vertices, directions, rate, NOWHERE, np.zeros(0))[4]
 
     @property
     def point_matrix(self) -> sparse.csr_matrix:

@@ -7,16 +7,22 @@ parameter plane::
     (H - c0)^2 dS = M^2/(4 g^{5/2}) - c0 M/g + c0^2 sqrt(g),   dV = (y c_y + z c_z)/2
 
 Control vertices move along fixed directions, ``X_i = X0_i + u_i N_i``. Everything is differentiated as it is summed: the
-second derivative is symmetric, and its inertia counts (``docs/theory/meshes.md``). At each point it is a sum of products of
+second derivative is symmetric, and its inertia counts (``docs/theory/meshes.md``). Gradients are summed backwards, as slopes by
+``X, a, b, p, q, r`` times the weights of the vertices in these. At each point the second derivative is a sum of products of
 the first derivatives of these nine quantities, for each of them is bilinear in the position's derivatives, which are linear in
 ``u``: a matrix of rank twenty.
+
+Arrays are made outside of the compiled loops, and filled number by number: what numba has to compile for its own ``np.empty``
+and for assignments to slices takes longer than the loops.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from pearlbvp.arrays import Array, Integers
 from pearlbvp.compiled import compiled
+from pearlbvp.mesh.subdivision import Patches
 
 
 @compiled
@@ -34,19 +40,21 @@ TERMS = 20
 
 
 @compiled
-def _jet(point, low, size, index, weights, offsets, X, directions, jet, N):  # type: ignore[no-untyped-def]
-    """Position and its derivatives ``X, a, b, p, q, r`` at a point, shape (6, 3), and the directions there, shape (3, size)."""
-    for k in range(6):
-        jet[k, 0], jet[k, 1], jet[k, 2] = offsets[k, point], 0.0, 0.0
-    for term in range(size):
-        j = index[low + term]
-        x, y, z = X[j, 0], X[j, 1], X[j, 2]
-        N[0, term], N[1, term], N[2, term] = directions[j, 0], directions[j, 1], directions[j, 2]
-        for k in range(6):
-            w = weights[k, low + term]
-            jet[k, 0] += w * x
-            jet[k, 1] += w * y
-            jet[k, 2] += w * z
+def _jet(point, low, size, index, weights, offsets, X, jet):  # type: ignore[no-untyped-def]
+    """Position and its derivatives ``X, a, b, p, q, r`` at a point, shape (6, 3)."""
+    for k in range(0, 6, 2):  # two at a time: sums that stay in registers
+        x, y, z = offsets[k, point], 0.0, 0.0
+        u, v, w = offsets[k + 1, point], 0.0, 0.0
+        for term in range(low, low + size):
+            j, one, other = index[term], weights[k, term], weights[k + 1, term]
+            x += one * X[j, 0]
+            y += one * X[j, 1]
+            z += one * X[j, 2]
+            u += other * X[j, 0]
+            v += other * X[j, 1]
+            w += other * X[j, 2]
+        jet[k, 0], jet[k, 1], jet[k, 2] = x, y, z
+        jet[k + 1, 0], jet[k + 1, 1], jet[k + 1, 2] = u, v, w
 
 
 @compiled
@@ -118,51 +126,90 @@ def _products(low, size, weights, jet, N, D, f, lambda2, left, right):  # type: 
 
 
 @compiled
-def limit_sums(X, directions, start, index, weights, offsets, weight, c0, lambda1, lambda2, place, data):  # type: ignore[no-untyped-def]
-    """Energy, area and volume by ``u``: values, gradients, and where ``place`` is not empty the Hessian of ``F``.
+def _gradients(X, directions, start, index, weights, offsets, weight, c0, values, gradients, jet, slopes):  # type: ignore[no-untyped-def]
+    """See ``limit_sums``; ``slopes``, shape (10, 3), has those of the energy by ``a, b, p, q, r``, of the area by ``a, b``, of
+    the volume by ``X, a, b``."""
+    for point in range(start.size - 1):
+        low, size = start[point], start[point + 1] - start[point]
+        _jet(point, low, size, index, weights, offsets, X, jet)
+        a, b, p, q, r, y, z = jet[1], jet[2], jet[3], jet[4], jet[5], jet[0, 1], jet[0, 2]
+        E, F, G, c = _dot(a, a), _dot(a, b), _dot(b, b), _cross(a, b)
+        P, Q, R = _dot(p, c), _dot(q, c), _dot(r, c)
+        M, g = -(G * P - 2 * F * Q + E * R), E * G - F * F
+        root = np.sqrt(g)
+        values[0] += weight * (M * M / (4 * g * g * root) - c0 * M / g + c0 * c0 * root)
+        values[1] += weight * root
+        values[2] += weight * (y * c[1] + z * c[2]) / 2
+        values[3] += weight * M / (2 * g)
+        f_M = weight * (M / (2 * g * g * root) - c0 / g)
+        f_g = weight * (-5 * M * M / (8 * g * g * g * root) + c0 * M / (g * g) + c0 * c0 / (2 * root))
+        share, half = weight / root, weight / 2
+        m = (
+            -(G * p[0] - 2 * F * q[0] + E * r[0]),
+            -(G * p[1] - 2 * F * q[1] + E * r[1]),
+            -(G * p[2] - 2 * F * q[2] + E * r[2]),
+        )
+        bm, ma = _cross(b, m), _cross(m, a)
+        for x in range(3):
+            by_a, by_b = G * a[x] - F * b[x], E * b[x] - F * a[x]  # halves of g's
+            slopes[0, x] = f_M * (2 * Q * b[x] - 2 * R * a[x] + bm[x]) + 2 * f_g * by_a
+            slopes[1, x] = f_M * (2 * Q * a[x] - 2 * P * b[x] + ma[x]) + 2 * f_g * by_b
+            slopes[2, x], slopes[3, x], slopes[4, x] = -f_M * G * c[x], 2 * f_M * F * c[x], -f_M * E * c[x]
+            slopes[5, x], slopes[6, x] = share * by_a, share * by_b
+        slopes[7, 0], slopes[7, 1], slopes[7, 2] = 0.0, half * c[1], half * c[2]
+        slopes[8, 0], slopes[8, 1], slopes[8, 2] = half * (b[1] * z - b[2] * y), -half * b[0] * z, half * b[0] * y
+        slopes[9, 0], slopes[9, 1], slopes[9, 2] = half * (y * a[2] - z * a[1]), half * z * a[0], -half * y * a[0]
+        for term in range(low, low + size):
+            w, w1, w2 = weights[0, term], weights[1, term], weights[2, term]
+            w3, w4, w5 = weights[3, term], weights[4, term], weights[5, term]
+            by_energy, by_area, by_volume = 0.0, 0.0, 0.0
+            for x in range(3):
+                n = directions[index[term], x]
+                by_energy += n * (
+                    w1 * slopes[0, x] + w2 * slopes[1, x] + w3 * slopes[2, x] + w4 * slopes[3, x] + w5 * slopes[4, x]
+                )
+                by_area += n * (w1 * slopes[5, x] + w2 * slopes[6, x])
+                by_volume += n * (w * slopes[7, x] + w1 * slopes[8, x] + w2 * slopes[9, x])
+            gradients[0, index[term]] += by_energy
+            gradients[1, index[term]] += by_area
+            gradients[2, index[term]] += by_volume
+
+
+def limit_sums(p: Patches, X: Array, directions: Array, c0: float) -> tuple[Array, Array]:
+    """Energy, area, volume and integral of the mean curvature, shape (4,), and the gradients of the first three, (3, V).
 
     Args:
+        p: quadrature points.
         X: control vertices, shape (V, 3).
         directions: in which they move, shape (V, 3).
-        start, index, weights, offsets, weight: of ``subdivision.Patches``.
-        c0, lambda1, lambda2: ``F = E + lambda1 A + lambda2 V``.
-        place: where each pair of control vertices of each point goes in ``data``.
-        data: nonzeros of the Hessian of ``F``, added to.
-
-    Returns:
-        Values (E, A, V), shape (3,), and gradients by ``u``, shape (3, V).
+        c0: spontaneous curvature.
     """
-    values, gradients = np.zeros(3), np.zeros((3, X.shape[0]))
-    most = 0
-    for point in range(start.size - 1):
-        most = max(most, start[point + 1] - start[point])
-    jet, N, D = np.empty((6, 3)), np.empty((3, most)), np.empty((17, most))
-    left, right, row = np.empty((TERMS, most)), np.empty((TERMS, most)), np.empty(most)
+    values, gradients = np.zeros(4), np.zeros((3, len(X)))
+    room = [np.empty(shape) for shape in ((6, 3), (10, 3))]
+    _gradients(X, directions, p.start, p.index, p.weights, p.offsets, p.weight, c0, values, gradients, *room)
+    return values, gradients
+
+
+@compiled
+def _hessian(  # type: ignore[no-untyped-def]
+    X, directions, start, index, weights, offsets, weight, c0, lambda1, lambda2, place, data, jet, N, D, left, right, row
+):  # fmt: skip
+    """See ``limit_hessian``; from ``jet`` on they are room to work in."""
     position = 0
     for point in range(start.size - 1):
         low, size = start[point], start[point + 1] - start[point]
-        _jet(point, low, size, index, weights, offsets, X, directions, jet, N)
+        _jet(point, low, size, index, weights, offsets, X, jet)
+        for term in range(size):
+            for x in range(3):
+                N[x, term] = directions[index[low + term], x]
         _first(low, size, weights, jet, N, D)
         a, b = jet[1], jet[2]
         E, F, G, c = _dot(a, a), _dot(a, b), _dot(b, b), _cross(a, b)
         M = -(G * _dot(jet[3], c) - 2 * F * _dot(jet[4], c) + E * _dot(jet[5], c))
         g = E * G - F * F
         root = np.sqrt(g)
-        values[0] += weight * (M * M / (4 * g * g * root) - c0 * M / g + c0 * c0 * root)
-        values[1] += weight * root
-        values[2] += weight * (jet[0, 1] * c[1] + jet[0, 2] * c[2]) / 2
         f_M = M / (2 * g * g * root) - c0 / g
-        f_g = -5 * M * M / (8 * g * g * g * root) + c0 * M / (g * g) + c0 * c0 / (2 * root)
-        for term in range(size):
-            j = index[low + term]
-            flux = weights[0, low + term] * (N[1, term] * c[1] + N[2, term] * c[2])
-            flux += jet[0, 1] * D[9, term] + jet[0, 2] * D[10, term]
-            gradients[0, j] += weight * (f_M * D[0, term] + f_g * D[1, term])
-            gradients[1, j] += weight * D[1, term] / (2 * root)
-            gradients[2, j] += weight * flux / 2
-        if place.size == 0:
-            continue
-        f_g += lambda1 / (2 * root)
+        f_g = -5 * M * M / (8 * g * g * g * root) + c0 * M / (g * g) + (c0 * c0 + lambda1) / (2 * root)
         f_MM = 1 / (2 * g * g * root)
         f_Mg = -5 * M / (4 * g * g * g * root) + c0 / (g * g)
         f_gg = 35 * M * M / (16 * g * g * g * g * root) - 2 * c0 * M / (g * g * g)
@@ -191,25 +238,26 @@ def limit_sums(X, directions, start, index, weights, offsets, weight, c0, lambda
             for other in range(size):
                 data[place[position + other]] += row[other]
             position += size
-    return values, gradients
+
+
+def limit_hessian(
+    p: Patches, X: Array, directions: Array, c0: float, lambda1: float, lambda2: float, place: Integers, data: Array
+) -> None:
+    """Add the second derivative of ``F = E + lambda1 A + lambda2 V`` by ``u`` to ``data``.
+
+    Args:
+        p, X, directions, c0: as ``limit_sums`` has them.
+        lambda1, lambda2: multipliers.
+        place: where each pair of control vertices of each point goes in ``data``.
+        data: nonzeros of the Hessian.
+    """
+    room = [np.empty(shape) for shape in ((6, 3), *((rows, p.most) for rows in (3, 17, TERMS, TERMS)), (p.most,))]
+    _hessian(X, directions, p.start, p.index, p.weights, p.offsets, p.weight, c0, lambda1, lambda2, place, data, *room)
 
 
 @compiled
-def limit_mass(X, directions, start, index, weights, offsets, weight, rate, place, data):  # type: ignore[no-untyped-def]
-    """Mean square of the normal displacement, where ``place`` is not empty into ``data``, and the part of motions in it.
-
-    Arguments as in ``limit_sums``, and a displacement ``rate`` along the directions, shape (V,).
-
-    Returns:
-        ``integral of <t, n> <N_j, n> B_j dS`` for the translations along ``x, y, z``, the rotation about ``x`` and the
-        displacement as ``t``, shape (5, V).
-    """
-    rows = np.zeros((5, X.shape[0]))
-    z = np.empty((3, 3))
-    most = 0
-    for point in range(start.size - 1):
-        most = max(most, start[point + 1] - start[point])
-    normal = np.empty(most)
+def _mass(X, directions, start, index, weights, offsets, weight, rate, place, data, rows, z, normal):  # type: ignore[no-untyped-def]
+    """See ``limit_mass``; ``z`` and ``normal`` are room to work in."""
     position = 0
     for point in range(start.size - 1):
         low, size = start[point], start[point + 1] - start[point]
@@ -238,4 +286,18 @@ def limit_mass(X, directions, start, index, weights, offsets, weight, rate, plac
             for other in range(size):
                 data[place[position]] += weight * root * normal[term] * normal[other]
                 position += 1
+
+
+def limit_mass(p: Patches, X: Array, directions: Array, rate: Array, place: Integers, data: Array) -> Array:
+    """Mean square of the normal displacement, where ``place`` is not empty into ``data``, and the part of motions in it.
+
+    Arguments as in ``limit_hessian``, and a displacement ``rate`` along the directions, shape (V,).
+
+    Returns:
+        ``integral of <t, n> <N_j, n> B_j dS`` for the translations along ``x, y, z``, the rotation about ``x`` and the
+        displacement as ``t``, shape (5, V).
+    """
+    rows, z, normal = np.zeros((5, len(X))), np.empty((3, 3)), np.empty(p.most)
+    arrays = X, directions, p.start, p.index, p.weights, p.offsets
+    _mass(*arrays, p.weight, rate.copy(), place, data, rows, z, normal)  # IDA's arrays are of another kind to numba
     return rows

@@ -254,38 +254,34 @@ class PeriodicMesh:
         return {name: getattr(self, name) for name in ("vertices", "triangles", "wraps", "length")}
 
 
-@compiled
-def _walk(start, first, twin):  # type: ignore[no-untyped-def]
-    """Half-edges out of each vertex in order; -1 where a vertex's triangles are no single fan."""
-    order = np.full(twin.size, -1, dtype=np.int64)
-    for i in range(start.size - 1):
-        half_edge = first[i]
-        for place in range(start[i], start[i + 1]):
-            order[place] = half_edge
-            before = half_edge - 1 if half_edge % 3 else half_edge + 2
-            half_edge = twin[before]
-            if half_edge == first[i] and place + 1 < start[i + 1]:
-                break
+def _walk(start: Integers, first: Integers, twin: Integers) -> Integers:
+    """Half-edges out of each vertex in order; -1 where a vertex's triangles are no single fan. All vertices at once."""
+    order = np.full(len(twin), -1, dtype=np.int64)
+    vertex = np.flatnonzero(np.diff(start))
+    place, half_edge = start[vertex], first[vertex]
+    while len(vertex):
+        order[place] = half_edge
+        half_edge = twin[np.where(half_edge % 3, half_edge - 1, half_edge + 2)]
+        place = place + 1
+        on = (place < start[vertex + 1]) & (half_edge != first[vertex])
+        place, half_edge, vertex = place[on], half_edge[on], vertex[on]
     return order
 
 
 @compiled
-def _reached(start, order, head, shift):  # type: ignore[no-untyped-def]
-    """Whether each vertex is reached from the first one, and how many periods a tree of edges leads to it."""
-    count = start.size - 1
-    reached, periods = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.int64)
-    queue = np.empty(count, dtype=np.int64)
+def _reach(start, order, head, shift, reached, periods, queue):  # type: ignore[no-untyped-def]
+    """Fill in whether each vertex is reached from the first one, and how many periods a tree of edges leads to it."""
     reached[0], queue[0], last = True, 0, 1
-    for place in range(count):
+    for place in range(queue.size):
         if place == last:
             break
         i = queue[place]
-        for h in order[start[i] : start[i + 1]]:
+        for out in range(start[i], start[i + 1]):
+            h = order[out]
             j = head[h]
             if not reached[j]:
                 reached[j], periods[j], queue[last] = True, periods[i] + shift[h], j
                 last += 1
-    return reached, periods
 
 
 def _ends(half_edge: int) -> tuple[int, int]:
@@ -346,7 +342,8 @@ def _check_topology(mesh: PeriodicMesh) -> None:
         raise MeshError.at(
             "triangles: the triangles about vertex {0} are no single fan; split the vertex", triangles, corner
         )
-    reached, periods = _reached(start, order, mesh.head, mesh.shift)
+    reached, (periods, queue) = np.zeros(mesh.count, dtype=bool), np.zeros((2, mesh.count), dtype=np.int64)
+    _reach(start, order, mesh.head, mesh.shift, reached, periods, queue)
     if (away := _first(~reached[mesh.tail])) is not None:
         raise MeshError.at(
             "vertices: vertex {0} cannot be reached from vertex {1}; give one tube",

@@ -65,10 +65,10 @@ def star_sums(X, directions, start, head, offset, c0, lambda1, lambda2, place, d
         data: nonzeros of the Hessian of ``F``, added to.
 
     Returns:
-        Values (E, A, V), shape (3,), and gradients by ``u``, shape (3, V).
+        Values (E, A, V and the integral of H), shape (4,), and gradients by ``u``, shape (3, V).
     """
     count = X.shape[0]
-    values = np.zeros(3)
+    values = np.zeros(4)
     gradients = np.zeros((3, count))
     most = 0
     for i in range(count):
@@ -123,6 +123,7 @@ def star_sums(X, directions, start, head, offset, c0, lambda1, lambda2, place, d
             wn[x] = (a[x] - an * unit[x]) / (2 * size_n)
         values[0] += b * b / M - 2 * c0 * b + c0 * c0 * M
         values[1] += M
+        values[3] += b
         f_b, f_M = 2 * b / M - 2 * c0, c0 * c0 - b * b / (M * M)
         for x in range(3):
             p[x] = X[i, x]

@@ -18,6 +18,7 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy import sparse
 
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Pinned
@@ -25,6 +26,7 @@ from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.held import AREA_AND_VOLUME, Held, known_held
+from pearlbvp.last import Last
 from pearlbvp.membrane import MembraneProblem
 from pearlbvp.mesh.adaptation import (
     AdaptOptions,
@@ -127,29 +129,34 @@ class MeshProblem(MembraneProblem):
 
     def residual(self, u: Array) -> Array:
         """The equations at ``u``, shape (V + P + 2,)."""
-        sums, w = self._sums(u), u[: self.mesh.count]
-        (_, area, volume), (by_energy, by_area, by_volume) = sums.values, sums.gradients
+        (_, area, volume), (by_energy, by_area, by_volume), _ = self._sums(u)
         force = by_energy + u[-3] * by_area + u[-2] * by_volume + self.multipliers(u) @ self.phases
         misses = [area - 2 * math.pi * self.length, volume - math.pi * self.length * u[-1]]
-        return np.concatenate((force, self.phases @ w, misses))
+        return np.concatenate((force, self.phases @ u[: self.mesh.count], misses))
 
-    def _sums(self, u: Array) -> Sums:
+    @cached_property
+    def _sums(self) -> Last[Sums]:
+        return Last(self._summed)
+
+    def _summed(self, u: Array) -> Sums:
         return self.functional.sums(self.vertices(u), self.directions, self.c0)
+
+    def hessian(self, u: Array) -> sparse.csc_matrix:
+        """Second derivative of the energy and the multipliers' terms by the displacements, shape (V, V)."""
+        return self.functional.hessian(self.vertices(u), self.directions, self.c0, u[-3], u[-2])
 
     def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
         """Bordered solve of the residual's Jacobian at ``u``; see ``Problem.solve``."""
-        hessian, sums = self.functional.hessian(self.vertices(u), self.directions, self.c0, u[-3], u[-2])
         extra = np.zeros((0, u.size)) if row is None else np.atleast_2d(row) * self.weights
         count, phases = self.mesh.count, len(self.phases)
-        _, by_area, by_volume = sums.gradients
-        zero = np.zeros(count)
-        columns = np.vstack((self.phases, by_area, by_volume, zero)).T
+        _, by_area, by_volume = self._sums(u).gradients
+        columns = np.vstack((self.phases, by_area, by_volume, np.zeros(count))).T
         rows = np.vstack((self.phases, by_area, by_volume, extra[:, :count]))
         corner = np.zeros((len(rows), phases + 3))
         corner[phases + 1, -1] = -math.pi * self.length
         corner[phases + 2 :] = extra[:, count:]
         load = rhs.reshape(u.size, -1)
-        bordered = Pinned.of(hessian, self.pins).bordered(columns, rows, corner)
+        bordered = Pinned.of(self.hessian(u), self.pins).bordered(columns, rows, corner)
         found = bordered.solve(load[:count], load[count:])
         if self.orbits is not None:  # rounding breaks the symmetry, and grows where a branch that breaks it is near
             found[:count] = mean(self.orbits, found[:count])
@@ -167,13 +174,12 @@ class MeshProblem(MembraneProblem):
 
     def observables(self, u: Array) -> dict[str, float]:
         """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L, M, force``; radii are from the sections' centres."""
-        sums = self._sums(u)
-        energy, area, _ = sums.values
+        (energy, area, _), _, curvature = self._sums(u)
         thin, thick = radii(self.functional, self.vertices(u))
         observed = {
             "lambda1": float(u[-3]), "lambda2": float(u[-2]), "v": float(u[-1]), "E": float(energy / area),
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": self.c0, "L": self.length,
-            "M": self.functional.curvature(self.vertices(u), self.directions, self.c0, sums)[0],
+            "M": curvature,
         }  # fmt: skip
         return self.completed(observed)
 
@@ -220,8 +226,9 @@ class MeshProblem(MembraneProblem):
     def spectrum(self, u: Array) -> Spectrum:
         """The leading growth rates, and whether all positive ones are among them."""
         modes = self.block_modes(u, dict.fromkeys(self._blocks, RATES))
-        # The mesh moves neutral rates by far more.
-        return Spectrum(modes.rates, modes.residual, NEUTRAL, modes.complete)
+        return Spectrum(
+            modes.rates, modes.residual, NEUTRAL, modes.complete
+        )  # the mesh moves neutral rates by far more
 
     def block_rates(self, u: Array, block: MeshBlock, like: Spectrum) -> Array:
         """The leading growth rates of a block, largest first."""
@@ -361,14 +368,6 @@ class MeshProblem(MembraneProblem):
         return cls(Functional(mesh, tree["kind"]), phases, float(tree["c0"]), known_held(tree["held"]), adapt, labels)
 
 
-def phase_rows(problem: MeshProblem, u: Array) -> Array:
-    """Rows of the rigid motions that move the surface along its normals, shape (P, V)."""
-    vertices, directions = problem.vertices(u), problem.directions
-    second, _ = problem.functional.hessian(vertices, directions, problem.c0, u[-3], u[-2])
-    mass, motions = problem.functional.normal_mass(vertices, directions)
-    return independent(motions, smoothing(second, mass, problem.pins), mass)[0]
-
-
 def about(functional: Functional, c0: float, parameters: Array, **others: Any) -> tuple[MeshProblem, Array]:
     """The problem about a mesh, with phase conditions against the rigid motions that move it, and its unknown there.
 
@@ -384,7 +383,9 @@ def about(functional: Functional, c0: float, parameters: Array, **others: Any) -
 
 
 def with_phases(problem: MeshProblem, u: Array, shape: Array | None = None) -> tuple[MeshProblem, Array]:
-    """The problem with the phase conditions of the surface at ``shape``, by default ``u``, and ``u`` moved there."""
-    rows = phase_rows(problem, u if shape is None else shape)
+    """The problem with phase conditions against the rigid motions of the surface at ``shape`` (``u``), and ``u`` there."""
+    at = u if shape is None else shape
+    mass, motions = problem.functional.normal_mass(problem.vertices(at), problem.directions)
+    rows, _ = independent(motions, smoothing(problem.hessian(at), mass, problem.pins), mass)
     found = replace(problem, phases=rows)
     return found, np.concatenate((u[: problem.mesh.count], np.zeros(len(rows)), u[-3:]))

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.linalg import toeplitz
 
-from pearlbvp.arrays import Array
+from pearlbvp.arrays import Array, Complex
 from pearlbvp.compiled import compiled
 from pearlbvp.mesh.functional import Functional
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -25,15 +25,19 @@ FARTHEST = 2.0
 
 def centres(mesh: PeriodicMesh, x: Array) -> Array:
     """Centroids of the sections at some places along the tube, shape (K, 2): y and z."""
-    moments = _moments(mesh.corners, np.ascontiguousarray(x, dtype=np.float64), mesh.length)
+    moments = np.zeros((len(x), 3))
+    _moments(
+        mesh.corners, np.ascontiguousarray(x, dtype=np.float64), mesh.length, np.empty(3), np.empty((2, 2)), moments
+    )
     return moments[:, 1:] / moments[:, :1]
 
 
 @compiled
-def _moments(corners, places, period):  # type: ignore[no-untyped-def]
-    """Areas and first moments of the sections, shape (K, 3), by Green's formulas: each triangle adds a segment."""
-    found = np.zeros((places.size, 3))
-    h, p = np.empty(3), np.empty((2, 2))
+def _moments(corners, places, period, h, p, found):  # type: ignore[no-untyped-def]
+    """Areas and first moments of the sections, shape (K, 3), by Green's formulas: each triangle adds a segment.
+
+    ``h`` and ``p``, shapes (3,) and (2, 2), are room to work in.
+    """
     for t in range(corners.shape[0]):
         low = min(corners[t, 0, 0], corners[t, 1, 0], corners[t, 2, 0])
         high = max(corners[t, 0, 0], corners[t, 1, 0], corners[t, 2, 0])
@@ -56,7 +60,6 @@ def _moments(corners, places, period):  # type: ignore[no-untyped-def]
             found[row, 0] += twice / 2
             found[row, 1] += twice * (p[0, 0] + p[1, 0]) / 6
             found[row, 2] += twice * (p[0, 1] + p[1, 1]) / 6
-    return found
 
 
 def one_period(mesh: PeriodicMesh) -> Array:
@@ -111,9 +114,7 @@ def radii(functional: Functional, vertices: Array) -> tuple[float, float]:
         return float(found.min()), float(found.max())
     length, p = functional.mesh.length, functional.quadrature
     waves = int(np.clip(length / (EDGES * functional.mesh.edge_lengths.mean()), 1, PLANES // 2))
-    points, volumes, moments = _volumes(
-        vertices, p.start, p.index, p.weights, p.offsets, p.weight, 2 * math.pi / length, waves
-    )
+    points, volumes, moments = _volumes(p, vertices, 2 * math.pi / length, waves)
     centre = _projected_centres(volumes, moments)
     squares = _squares(points, centre, 2 * math.pi / length)
     thin, thick = (
@@ -122,7 +123,7 @@ def radii(functional: Functional, vertices: Array) -> tuple[float, float]:
     return math.sqrt(max(thin, 0.0)), math.sqrt(thick)
 
 
-def _projected_centres(volumes: Array, moments: Array) -> Array:
+def _projected_centres(volumes: Complex, moments: Complex) -> Complex:
     """Waves of the centres ``c(x)``, shape (K + 1, 2), from those of the sections' areas ``A`` and first moments ``M``.
 
     ``A c = M`` in the mean against every wave up to the K-th: a matrix that is positive definite, as ``A > 0``, even where
@@ -136,55 +137,40 @@ def _projected_centres(volumes: Array, moments: Array) -> Array:
     return np.asarray(found)
 
 
-@compiled
-def _volumes(vertices, start, index, weights, offsets, weight, k, waves):  # type: ignore[no-untyped-def]
+def _volumes(p: Patches, vertices: Array, k: float, waves: int) -> tuple[Array, Complex, Complex]:
     """Quadrature points of a limit surface, and waves of the areas and first moments of its sections.
 
     ``int A e^{-ijkx} dx`` is the integral of ``e^{-ijkx}`` over the volume, and by the theorem of Gauss one over the surface,
     which needs no section: of ``(y, z)/2`` times the wave, for first moments of ``y (y, z)/3`` and ``z (y, z)/3``.
     """
-    points = np.empty((start.size - 1, 3))
-    volumes = np.zeros(2 * waves + 1, dtype=np.complex128)
-    moments = np.zeros((waves + 1, 2), dtype=np.complex128)
-    field = np.empty((3, 3))  # the point and both tangents
-    for q in range(start.size - 1):
-        field[:] = 0.0
-        for j in range(start[q], start[q + 1]):
-            for row in range(3):
-                for axis in range(3):
-                    field[row, axis] += weights[row, j] * vertices[index[j], axis]
-        for row in range(3):
-            field[row, 0] += offsets[row, q]
-        points[q] = field[0]
-        a, b = field[1], field[2]
-        y, z = field[0, 1], field[0, 2]
-        flux = weight * (y * (a[2] * b[0] - a[0] * b[2]) + z * (a[0] * b[1] - a[1] * b[0]))
-        step, wave = np.exp(-1j * k * field[0, 0]), 1.0 + 0.0j
-        for j in range(2 * waves + 1):
-            volumes[j] += flux / 2 * wave
-            if j <= waves:
-                moments[j, 0] += flux * y / 3 * wave
-                moments[j, 1] += flux * z / 3 * wave
-            wave *= step
-    return points, volumes, moments
+    points, a, b = p.tangents(vertices)
+    y, z = points[:, 1], points[:, 2]
+    flux = p.weight * (y * (a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2]) + z * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
+    densities = np.vstack((flux / 2, flux * y / 3, flux * z / 3))
+    step = np.exp(-1j * k * points[:, 0])
+    found, wave = np.empty((2 * waves + 1, 3), dtype=complex), np.ones_like(step)
+    for j in range(2 * waves + 1):
+        found[j] = (densities @ _parts(wave)).view(complex)[:, 0]
+        wave *= step
+    return points, found[:, 0], found[: waves + 1, 1:]
 
 
-@compiled
-def _squares(points, centre, k):  # type: ignore[no-untyped-def]
+def _parts(wave: Complex) -> Array:
+    """Real and imaginary parts as columns: products with real matrices take half as long so."""
+    return wave.view(np.float64).reshape(-1, 2)
+
+
+def _squares(points: Array, centre: Complex, k: float) -> Array:
     """Squared distances of points from the centres."""
-    found = np.empty(len(points))
-    for q in range(len(points)):
-        step, wave = np.exp(1j * k * points[q, 0]), 1.0 + 0.0j
-        y, z = points[q, 1], points[q, 2]
-        for j in range(len(centre)):
-            y -= (centre[j, 0] * wave).real
-            z -= (centre[j, 1] * wave).real
-            wave *= step
-        found[q] = y**2 + z**2
-    return found
+    step = np.exp(1j * k * points[:, 0])
+    wave, apart = step.copy(), points[:, 1:] - centre[0].real
+    for c in centre[1:]:
+        apart -= _parts(wave) @ np.vstack((c.real, -c.imag))
+        wave *= step
+    return np.einsum("ij,ij->i", apart, apart)
 
 
-def _extreme(vertices: Array, p: Patches, q: int, sign: float, centre: Array, length: float) -> float:
+def _extreme(vertices: Array, p: Patches, q: int, sign: float, centre: Complex, length: float) -> float:
     """Least of ``sign`` times the squared distance near a quadrature point: of its parabola, in the patch's parameters.
 
     Along a line of equal distances the parabola is flat, and a step that would lead further than the next point is cut off.

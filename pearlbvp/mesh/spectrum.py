@@ -172,7 +172,10 @@ def perturbations(
         counts, orbits: as in ``leading``.
     """
     (lambda1, lambda2, c0), directions, pins = parameters, functional.directions, functional.pins
-    second, sums = functional.hessian(vertices, directions, c0, lambda1, lambda2)
+    second, sums = (
+        functional.hessian(vertices, directions, c0, lambda1, lambda2),
+        functional.sums(vertices, directions, c0),
+    )
     mass, motions = functional.normal_mass(vertices, directions)
     quantities = functional.quantities(vertices, directions, sums, coefficients(lambda1, lambda2, c0))
     smoothed = smoothing(second, mass, pins)

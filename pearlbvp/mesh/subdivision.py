@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -50,6 +51,24 @@ class Patches:
     weights: Array
     offsets: Array
     weight: float
+
+    @cached_property
+    def most(self) -> int:
+        """Terms of the point that has most of them."""
+        return int(np.diff(self.start).max())
+
+    @cached_property
+    def _matrices(self) -> list[sparse.csr_matrix]:
+        """Point and tangents by the control vertices."""
+        shape = len(self.start) - 1, int(self.index.max()) + 1
+        return [sparse.csr_matrix((weights, self.index, self.start), shape) for weights in self.weights[:3]]
+
+    def tangents(self, vertices: Array) -> list[Array]:
+        """The points and both tangents there, each of shape (Q, 3)."""
+        fields = [np.asarray(matrix @ vertices) for matrix in self._matrices]
+        for field, offsets in zip(fields, self.offsets, strict=False):
+            field[:, 0] += offsets
+        return fields
 
 
 @dataclass(frozen=True)

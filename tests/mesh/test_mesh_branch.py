@@ -130,7 +130,7 @@ def test_leading_rates_are_those_of_dense_algebra(mesh_coil):
     problem, u = entry.problem, entry.u
     rates, vectors, unstable = problem.modes(u)
     vertices = problem.vertices(u)
-    second, sums = problem.functional.hessian(vertices, problem.directions, 0.0, u[-3], u[-2])
+    second, sums = problem.hessian(u), problem.functional.sums(vertices, problem.directions, 0.0)
     mass, motions = problem.functional.normal_mass(vertices, problem.directions)
     rows = np.vstack((sums.gradients[1:], motions[1:3], motions[0]))  # a coil turns where it is shifted
     allowed = np.linalg.svd(rows)[2][5:].T

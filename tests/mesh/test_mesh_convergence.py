@@ -97,7 +97,7 @@ def test_branch_points_are_where_growth_rates_change_sign(m, n, multiplicity):
 def test_where_a_mesh_splits_a_mode_its_mean_rate_vanishes():
     """The pitchfork is imperfect: multipliers of the waves are a force, and the four rates differ."""
     problem, u = branch_point(irregular(250), 0.0, 1, 1, "cotangent")
-    second, sums = problem.functional.hessian(problem.vertices(u), problem.directions, 0.0, u[-3], u[-2])
+    second, sums = problem.hessian(u), problem.functional.sums(problem.vertices(u), problem.directions, 0.0)
     mass, motions = problem.functional.normal_mass(problem.vertices(u), problem.directions)
     allowed = np.linalg.svd(np.vstack((sums.gradients[1], motions[1:3])))[2][3:].T
     rates = -eigh(allowed.T @ second @ allowed, allowed.T @ (mass @ allowed), eigvals_only=True)

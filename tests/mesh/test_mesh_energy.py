@@ -53,7 +53,8 @@ def test_gradients_and_hessian_are_exact_derivatives(kind, make):
     ahead, behind = (
         functional.sums(mesh.vertices + s * h * step[:, None] * directions, directions, c0) for s in (1, -1)
     )
-    hessian, sums = functional.hessian(mesh.vertices, directions, c0, lambda1, lambda2)
+    hessian = functional.hessian(mesh.vertices, directions, c0, lambda1, lambda2)
+    sums = functional.sums(mesh.vertices, directions, c0)
     size = np.abs(sums.gradients).max()
     np.testing.assert_allclose((ahead.values - behind.values) / (2 * h), sums.gradients @ step, atol=1e-6 * size)
     weights = np.array([1, lambda1, lambda2])
@@ -81,7 +82,8 @@ def test_derivatives_of_subdivision_surfaces_to_all_digits(make):
     """Values, first and second derivatives along a line are Taylor coefficients: Cauchy's integrals on a circle about it."""
     mesh, directions = make()
     functional, c0, weights = Functional(mesh), 0.3, np.array([1, 0.7, -0.4])
-    hessian, sums = functional.hessian(mesh.vertices, directions, c0, *weights[1:])
+    hessian = functional.hessian(mesh.vertices, directions, c0, *weights[1:])
+    sums = functional.sums(mesh.vertices, directions, c0)
     rng = np.random.default_rng(1)
     for _ in range(3):
         step = rng.standard_normal(mesh.count)
