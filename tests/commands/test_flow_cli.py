@@ -332,7 +332,7 @@ def test_powers_of_length_are_those_of_a_flow_on_a_tube_twice_as_thick(capsys, t
     assert inside["t"].iloc[-1] == plain["t"].iloc[-1] == 2.0**time
     assert plain["E"].iloc[-1] < 0.99 * plain["E"].iloc[0]
     assert plain["velocity"].iloc[-1] < 0.01 * plain["velocity"].iloc[0]
-    for row, tolerance in ((0, 1e-9), (-1, 1e-3)):
+    for row, tolerance in ((0, 1e-9), (-1, 3e-3)):
         for name in ("E", "lambda1", "lambda2", "velocity", "amplitude", "r_min", "r_max"):
             assert inside[name].iloc[row] == pytest.approx(plain[name].iloc[row], rel=tolerance), (name, row)
         assert inside["v"].iloc[row] == pytest.approx(plain["v"].iloc[row] / 4, rel=tolerance)  # by its own radius

@@ -353,7 +353,7 @@ def test_an_interrupted_flow_keeps_its_record():
     result = flow(problem, shape(problem))
     assert result.status == "interrupted"
     check(result)
-    assert 1e-3 < result.table()["velocity"].iloc[-1] < 2e-3
+    assert 5e-4 < result.table()["velocity"].iloc[-1] < 2e-3  # rates of r^2/2 are r times it
 
 
 def test_a_symmetric_start_rests_on_a_saddle():
