@@ -13,9 +13,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import time
 from collections.abc import Callable
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
+from rows import Row, of_call, paired, row, written
 from scipy.integrate import solve_ivp
 from scipy.sparse import issparse
 
@@ -139,6 +141,40 @@ def to_rest() -> None:
         tube = tube_start(point.problem, point.u)
         q = tube.perturbed(kind, delta)  # type: ignore[arg-type]
         line(f"c0 = {c0:g}, {family}, {kind}, 12 x 12 modes", lambda s=tube, q=q: s.flow(q, options), 1)  # type: ignore[misc]
+
+
+@row("flow of a graph of 128 points to t = 1, error below 1e-7")
+def graph() -> Row:
+    """IDA against scipy's BDF on the same equations, both at rtol 1e-7."""
+    problem = GraphFlow(0.0, 10.0, 128)
+    q = start_shape(problem)
+    exact = flow(problem, q, FlowOptions(until=END, rtol=1e-10, atol=1e-13, max_steps=10**6)).state.q
+
+    def ida() -> Array:
+        return flow(problem, q, FlowOptions(until=END, rtol=1e-7, atol=1e-9)).state.q
+
+    def bdf() -> Array:
+        return eliminated_bdf(problem, q, 1e-7).y[:, -1]  # type: ignore[no-any-return]
+
+    errors = [np.abs(problem.radii(found()) - problem.radii(exact)).max() for found in (ida, bdf)]
+    ours, peer, ratio = paired(lambda: of_call(ida), lambda: of_call(bdf))
+    return Row(
+        f"{written(ours)}, error {errors[0]:.0e}",
+        f"scipy's BDF: {written(peer)}, error {errors[1]:.0e}",
+        ratio,
+        written(0.15),
+    )
+
+
+@row("flow of A2 with a bump to rest, 4,042 vertices")
+def a2_on_a_mesh() -> Row:
+    """One run."""
+    a2 = chosen(family_branch(Tube(0, 10), "pearl", (1, 0), branch_options({"lambda2": -3.2})), "A2")
+    start = mesh_start(a2, 4000)
+    seconds = of_call(lambda: start.flow(start.perturbed("bump", -0.125)))
+    return Row(
+        f"{written(seconds)} by {'SuperLU' if find_spec('pymklpardiso') is None else 'PARDISO'}", limit=written(30)
+    )
 
 
 def bulged(x: Array, phi: Array) -> Array:

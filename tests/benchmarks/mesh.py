@@ -1,6 +1,6 @@
-"""Triangulated tubes: CPU time of a Newton step and of the leading rates, memory, convergence on families of meshes.
+"""Triangulated tubes: rows of a Newton step and of the leading rates; convergence on families of meshes.
 
-Run as ``python tests/benchmarks/mesh.py``.
+The latter is printed by ``python tests/benchmarks/mesh.py``.
 """
 
 from __future__ import annotations
@@ -9,23 +9,25 @@ import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import resource
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
+from importlib.util import find_spec
 
 import numpy as np
+from rows import Row, least, of_call, paired, row, written
 from scipy import sparse
 
+from pearlbvp import factorization
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
-from pearlbvp.factorization import factorized
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.adaptation import AdaptOptions, smoothed
 from pearlbvp.mesh.families import edited, graded, jittered, straightened, tube_mesh
 from pearlbvp.mesh.functional import Kind
 from pearlbvp.mesh.operators import mean_curvature
 from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.start import branch_point, equilibrium, straight
 from pearlbvp.mesh.subdivision import subdivided
 from pearlbvp.studies.branch import branch_options, family_branch
@@ -36,17 +38,6 @@ LENGTH = 10.0
 
 SIZES = (1000, 3000)
 """Numbers of vertices for orders of convergence."""
-
-
-def best(function: Callable[[], object], repeats: int = 3) -> float:
-    """Shortest CPU time of several calls, in seconds, after one that is not counted."""
-    function()
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
-        function()
-        times.append(time.process_time() - start)
-    return min(times)
 
 
 def families(nodes: int) -> Iterator[tuple[str, PeriodicMesh]]:
@@ -130,31 +121,61 @@ def phases(kind: Kind, sizes: tuple[int, ...] = SIZES[:2]) -> None:
             print(f"  {name:20s} {mesh.count:6d} vertices: " + "   ".join(cells), flush=True)
 
 
-def pearl(nodes: int, kind: Kind) -> tuple[float, float]:
-    """Seconds of a Newton step and of the six leading rates on a bulged tube."""
+@cache
+def bulged(nodes: int, kind: Kind) -> tuple[MeshProblem, Array]:
+    """A bulged tube."""
     k = 2 * np.pi / LENGTH
 
     def surface(x: Array, phi: Array) -> Array:
         r = 1 + 0.2 * np.cos(k * x)
         return np.column_stack((x, r * np.cos(phi), r * np.sin(phi)))
 
-    problem, u = equilibrium(tube_mesh(LENGTH, nodes, surface), 0.0, 1.01, 1.25, -1.0, kind)
-    rhs = np.ones((u.size, 2))
-    row = np.ones(u.size)
-    return best(lambda: (problem.residual(u), problem.solve(u, rhs, row))), best(lambda: problem.modes(u))
+    return equilibrium(tube_mesh(LENGTH, nodes, surface), 0.0, 1.01, 1.25, -1.0, kind)
+
+
+def by_superlu(function: Callable[[], object]) -> float:
+    """CPU seconds of a call without the extra."""
+
+    def missing(matrix: sparse.csc_matrix) -> object:
+        raise ImportError
+
+    known, factorization.by_pardiso = factorization.by_pardiso, missing  # type: ignore[assignment]
+    try:
+        return of_call(function)
+    finally:
+        factorization.by_pardiso = known
+
+
+def measured(work: Callable[[MeshProblem, Array], object], nodes: int, limit: float) -> Row:
+    """Times with the extra and without it; without it alone where it is not installed."""
+    problem, u = bulged(nodes, "subdivision")
+
+    def call() -> object:
+        return work(problem, u.copy())
+
+    if find_spec("pymklpardiso") is None:
+        return Row(f"{written(least(lambda: by_superlu(call), 3))} by SuperLU", limit=written(limit))
+    ours, peer, ratio = paired(lambda: of_call(call), lambda: by_superlu(call), 3)
+    return Row(f"{written(ours)} by PARDISO", f"SuperLU: {written(peer)}", ratio, written(limit))
+
+
+def newton_step(problem: MeshProblem, u: Array) -> object:
+    """Residual and one bordered solve, of a shape that was not seen before."""
+    moved = u + 1e-12 * np.arange(u.size) / u.size
+    return problem.residual(moved), problem.solve(moved, np.ones((u.size, 2)), np.ones(u.size))
+
+
+STEP, RATES = "Newton step on a mesh of {:,} vertices", "six leading growth rates on a mesh of {:,} vertices"
+
+row(STEP.format(12000))(lambda: measured(newton_step, 12000, 0.5))
+row(STEP.format(40000))(lambda: measured(newton_step, 40000, 2.5))
+row(RATES.format(12000))(lambda: measured(lambda problem, u: problem.modes(u), 12000, 1.5))
 
 
 def main() -> None:
     """Print everything; with ``pearlbvp[fast]`` installed or without."""
-    print("factorized by", type(factorized(sparse.eye(2, format="csc"))).__name__, "(LDL is PARDISO, LU is SuperLU)")
-    for kind in ("subdivision", "cotangent"):
-        for nodes in (1000, 4000, 12000, 40000):
-            step, rates = pearl(nodes, kind)
-            memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-            print(f"{kind:12s} {nodes:6d} vertices: Newton step {step:.2f} s, six leading rates {rates:.2f} s; "
-                  f"at most {memory:.2f} GiB so far", flush=True)  # fmt: skip
     problem, u = straight(tube_mesh(LENGTH, 4000), 0.0, 0.3)
-    print(f"refinement as a whole from 4,000 vertices: {best(lambda: _refined(problem, u), 1):.2f} s")
+    print(f"refinement as a whole from 4,000 vertices: {of_call(lambda: _refined(problem, u)):.2f} s")
     for kind in ("subdivision", "cotangent"):
         convergence(kind)
         phases(kind)

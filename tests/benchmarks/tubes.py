@@ -1,13 +1,14 @@
-"""Times and errors of rings, coils and buckles: ``OMP_NUM_THREADS=1 python tests/benchmarks/tubes.py``.
+"""Times and errors of coils and buckles.
 
-The peer of a Newton step is the same Hessian summed point by point with dense matrices (``tests/support/sums.py``).
+The peer of a Hessian is the same one summed point by point with dense matrices (``tests/support/sums.py``).
 """
 
 import sys
-import time
+from functools import cache
 from pathlib import Path
 
 import numpy as np
+from rows import Row, least, of_call, paired, row, written
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from support.sums import Basis, grid, second_variation
@@ -16,18 +17,6 @@ from pearlbvp.continuation.path import correct
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.studies.branch import branch_options, family_branch
-from pearlbvp.studies.diagram import diagram
-from pearlbvp.theory.elastica import ring_at
-
-
-def milliseconds(call, repeats=10):
-    """Least processor time of some calls."""
-    times = []
-    for _ in range(repeats):
-        began = time.process_time()
-        call()
-        times.append(time.process_time() - began)
-    return 1e3 * min(times)
 
 
 def error_of_modes(point, size):
@@ -56,56 +45,63 @@ def newton_step(problem, u):
     return problem.solve(u, np.append(problem.residual(u), 0.0), np.ones(u.size))
 
 
-def main():
-    ring = family_branch(Tube(0.0, 10), "ring", (0, 2), branch_options({"v": 0.85})).points[-1]
-    exact = ring_at(2, "v", 0.85).lambda2
-    print(
-        f"ring  v = 0.85: error of lambda2 {ring.observables['lambda2'] - exact:.1e} against elliptic functions (1e-10)"
-    )
-    coils = family_branch(Tube(0.0, 10), "coil", (1, 1), branch_options({"v": 0.85}, max_step=0.1))
-    last = coils.points[-1]
+def seconds(call, repeats=7):
+    """Least CPU time of some calls."""
+    return least(lambda: of_call(call), repeats)
+
+
+@row("coil at v = 0.85: residual, solve and spectrum of all waves")
+def coil():
+    """A point of a branch; its error against twice the modes."""
+    last = family_branch(Tube(0.0, 10), "coil", (1, 1), branch_options({"v": 0.85}, max_step=0.1)).points[-1]
     error = error_of_modes(last, (0, 2 * last.problem.size[1]))
-    print(f"coil  v = 0.85: error of lambda2 {error:.1e} against twice the modes (1e-10)")
     rhs = np.ones(last.u.size)
-    residual, solve, spectrum = (
-        milliseconds(call)
-        for call in (
-            lambda: last.problem.residual(last.u),
-            lambda: last.problem.solve(last.u, rhs, last.tangent),
-            lambda: last.problem.spectrum(last.u),
+    spent = seconds(
+        lambda: (
+            last.problem.residual(last.u),
+            last.problem.solve(last.u, rhs, last.tangent),
+            last.problem.spectrum(last.u),
         )
     )
-    print(
-        f"coil  residual {residual:.2f} ms, solve {solve:.2f} ms, spectrum of all waves {spectrum:.1f} ms (a point: 10 ms)"
-    )
+    return Row(f"{written(spent)}, error {abs(error):.0e}", limit=written(0.01))
 
-    buckle = buckle_branch().points[-1]
-    print(
-        f"buckle v = 0.85: error of lambda2 {error_of_modes(buckle, (40, 40)):.1e} (1e-8), "
-        f"rigid motions {buckle.spectrum.residual:.0e} (1e-7), modes {buckle.problem.size}"
-    )
-    print(f"buckle v = 0.85: the branch from the straight tube on {milliseconds(buckle_branch, 3):.0f} ms (1000 ms)")
-    problem, u = on_modes(buckle, (48, 48))
-    step, spectrum = (milliseconds(call, 3) for call in (lambda: newton_step(problem, u), lambda: problem.spectrum(u)))
-    print(f"buckle 48 x 48: Newton step {step:.0f} ms (250 ms), spectrum in all blocks {spectrum:.0f} ms (1000 ms)")
-    point = family_branch(Tube(0.0, 10), "buckle", (1, 1), branch_options({"v": 0.95})).points[-1]
-    problem, u = on_modes(point, (12, 12))
-    solve = milliseconds(lambda: newton_step(problem, u))
-    spectrum = milliseconds(lambda: problem.spectrum(u), 4)
-    print(f"buckle 12 x 12: solve {solve:.1f} ms (100 ms), spectrum in all blocks {spectrum:.0f} ms (1000 ms)")
+
+@row("buckles from the straight tube to v = 0.85, with stability")
+def buckles():
+    """A branch; its error against 40 x 40 modes."""
+    error = error_of_modes(buckle_branch().points[-1], (40, 40))
+    return Row(f"{written(seconds(buckle_branch, 3))}, error {abs(error):.0e}", limit=written(1.0))
+
+
+@cache
+def buckle(size):
+    """A buckle at v = 0.95 on a number of modes."""
+    return on_modes(family_branch(Tube(0.0, 10), "buckle", (1, 1), branch_options({"v": 0.95})).points[-1], size)
+
+
+@row("Newton step of a buckle, 48 x 48 modes")
+def step():
+    """Residual and one bordered solve."""
+    problem, u = buckle((48, 48))
+    return Row(written(seconds(lambda: newton_step(problem, u), 3)), limit=written(0.25))
+
+
+@row("spectrum of a buckle in all blocks, 48 x 48 modes")
+def spectrum():
+    """All symmetry blocks."""
+    problem, u = buckle((48, 48))
+    return Row(written(seconds(lambda: problem.spectrum(u), 3)), limit=written(1.0))
+
+
+@row("Hessian of a buckle, 12 x 12 modes")
+def hessian():
+    """By waves, and with the mass by sums over points."""
+    problem, u = buckle((12, 12))
     x, phi = grid(problem.cell.points, problem.length)
     basis = Basis.of(problem.modes, problem.k, 0.0, x, phi)
     fields = basis.state(u[:-3])
-    peer = milliseconds(lambda: second_variation(basis, fields, 0.0, u[-3], u[-2]), 4)
-    ours = milliseconds(lambda: problem.equilibrium(u).hessian(problem.waves))
-    print(f"buckle 12 x 12: Hessian {ours:.1f} ms by waves, {peer:.1f} ms (with the mass) by sums over points")
-
-    began = time.perf_counter()
-    found = diagram(0.0, 10, 0, modes=[(1, 0), (1, 1), (0, 2)], processes=2)
-    print(
-        f"c0 = 0, L = 10: {len(found.branches)} branches with stability in {time.perf_counter() - began:.1f} s (60 s)"
+    ours, peer, ratio = paired(
+        lambda: of_call(lambda: problem.equilibrium(u).hessian(problem.waves)),
+        lambda: of_call(lambda: second_variation(basis, fields, 0.0, u[-3], u[-2])),
     )
-
-
-if __name__ == "__main__":
-    main()
+    return Row(written(ours), f"dense sums over points: {written(peer)}", ratio)
