@@ -163,7 +163,7 @@ def test_a_mesh_grows_like_the_smooth_shape(fix):
     assert without.n_unstable == found.n_unstable
     assert without.mu_crit == pytest.approx(found.mu_crit, abs=1e-7)
     f, vertices, directions = mesh.functional, mesh.vertices(u), mesh.directions
-    second, sums = f.hessian(vertices, directions, mesh.c0, u[-3], u[-2])
+    second, sums = mesh.hessian(u), f.sums(vertices, directions, mesh.c0)
     mass, motions = f.normal_mass(vertices, directions)
     quantities = f.quantities(vertices, directions, sums, coefficients(u[-3], u[-2], mesh.c0))
     rows, stiffened = mesh.held.constrained(second.toarray(), quantities)
