@@ -94,6 +94,14 @@ def _is_symmetric(turn: Event[Any], last: Solution[Any]) -> bool:
     return bool(np.abs(rates).min() < 1e-6)
 
 
+def _own_count(point: Solution[Any], like: Solution[Any]) -> int:
+    """How many growth rates of the solution's own block are positive, resolved as at another point."""
+    problem = point.problem
+    if problem.trivial_block not in like.spectrum.rates:
+        return 0
+    return int((problem.block_rates(point.u, problem.trivial_block, like.spectrum) > 0).sum())
+
+
 def has_value(entry: Solution[P], name: str, value: float, exact: Mapping[str, float]) -> bool:
     """Whether a solution has a value to within its accuracy: growth rates have their own, all others that of tables.
 
@@ -180,6 +188,7 @@ def events_between(
     if name in turns:
         turn = _fold(segment, name, turns.pop(name))
         own = any(block == problem.trivial_block for block, *_ in crossings)
+        own = own or (at_start and _own_count(behind, last) != _own_count(last, last))
         if turn.converged and not own and _is_symmetric(turn, last):
             # What turns, turns without a change of stability: the branch passes through a more symmetric solution, and all
             # observables turn with it. It is a pitchfork, met from its side.

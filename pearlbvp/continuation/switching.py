@@ -16,6 +16,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, SpecialPoint
 from pearlbvp.continuation.crossing import crossing_direction
 from pearlbvp.continuation.following import BranchOptions, continue_branch
+from pearlbvp.continuation.normal_form import normal_form
 from pearlbvp.continuation.problem import Problem
 from pearlbvp.continuation.solution import Solution
 
@@ -82,6 +83,9 @@ def leave(
     problem, (u, tangent) = problem.lift(block, centre, u, tangent)
     tangent = tangent / math.sqrt(problem.inner(tangent, tangent))
     direction = crossing_direction(problem, u, tangent)
+    slope = normal_form(problem, u, tangent, direction, names=()).slope
+    if slope:  # no pitchfork: along the crossing branch the solution moves along the first one, too
+        direction = direction + slope * tangent
     if problem.is_upper_half(direction) != grow:
         direction = -direction
     return continue_branch(Solution.along(problem, u, direction), options, at_bifurcation=True)

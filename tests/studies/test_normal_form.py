@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 from support.curves import Curve
 
+from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.continuation.normal_form import normal_form
+from pearlbvp.continuation.path import PathOptions
+from pearlbvp.continuation.switching import leave
 from pearlbvp.helfrich import Tube
 from pearlbvp.shapes.pearling import pearling_onset
 from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.localized import localized_pearls
 from pearlbvp.studies.normal_form import COLUMNS, form_at, normal_forms, rate_by_volume
 from pearlbvp.studies.onward import switched
 from pearlbvp.theory.amplitude import amplitude_equation
@@ -24,6 +28,34 @@ def test_a_pitchfork_and_a_transcritical_crossing_in_the_plane():
     assert form.quadratic["x"] == pytest.approx(3, rel=1e-8)
     crossing = Curve(lambda x, y: y * (x - 0.5 * y) + tiny * y, lambda x, y: [y, x - y + tiny])
     assert normal_form(crossing, np.zeros(2), np.array([1.0, 0.0])).slope == pytest.approx(0.5, rel=1e-8)
+
+
+def test_a_transcritical_branch_is_left_along_its_own_tangent():
+    """Exact: ``y = 2 x`` crosses ``y = 0``; and three pearls, whose branch of one larger pearl turns in volume at once."""
+    tiny = 1e-13
+    crossing = Curve(lambda x, y: y * (x - 0.5 * y) + tiny * y, lambda x, y: [y, x - y + tiny])
+    options = BranchOptions(PathOptions(step=0.1, max_step=0.1, max_points=4), folds=())
+    line = leave(crossing, np.zeros(2), np.array([1.0, 0.0]), None, options)
+    np.testing.assert_allclose([point.u[1] - 2 * point.u[0] for point in line.points], 0, atol=1e-10)
+    assert len(line.points) == 4
+
+
+def test_three_pearls_give_way_to_a_larger_one_by_a_jump():
+    pearls = family_branch(Tube(0.48, 22), "pearl", (3, 0), branch_options({"bp": 1}))
+    start = pearls.points[-1].observables
+    assert start["v"] == pytest.approx(localized_pearls(0.48, 22 / 3, 22).v.iloc[0], abs=1e-9)
+    larger, smaller = (switched(pearls, 1, branch_options({"v": 1.0065}), grow=grow) for grow in (True, False))
+    table = larger.table()
+    turn = larger.find("fold:v")[0].index
+    assert table.v[turn] < start["v"] < table.v.iloc[-1]
+    assert list(table.n_unstable[turn + 1 :]) == [0] * (len(table) - turn - 1)
+    # The other half leads straight to larger volumes, and is unstable.
+    assert smaller.table().v.is_monotonic_increasing
+    assert smaller.points[-1].spectrum.n_unstable > 0
+    # One curve through the branch point: the slope of the volume is the same on both halves, and not zero.
+    slopes = [branch.points[0].slopes["v"] for branch in (larger, smaller)]
+    assert slopes[0] == pytest.approx(-slopes[1], rel=1e-6)
+    assert abs(slopes[0]) > 1e-4
 
 
 @pytest.mark.parametrize(("c0", "length", "m"), [(0.0, 10, 1), (0.48, 15, 2), (0.4, 20, 1)])
