@@ -1,9 +1,9 @@
 """pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability.
 
-An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``flow``,
-``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``equilibria``, ``atlas``, ``scan``;
-``Units`` for physical tubes; ``solve_bvp`` and ``continue_bvp`` for one's own equations. Each name is imported when it is
-first asked for.
+An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``phases``,
+``flow``, ``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``equilibria``, ``atlas``,
+``scan``; ``Units`` for physical tubes; ``solve_bvp`` and ``continue_bvp`` for one's own equations. Each name is imported when
+it is first asked for.
 """
 
 import os
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pearlbvp.errors import InputError
     from pearlbvp.front import amplitude, branch, diagram, dispersion, flow, load
     from pearlbvp.helfrich import Tube
+    from pearlbvp.phase_diagram import phases
     from pearlbvp.scans.scan import scan
     from pearlbvp.studies.equilibria import equilibria
     from pearlbvp.studies.families import register
@@ -50,6 +51,7 @@ _HOMES = {
     "load": "front:load",
     "localized_pearls": "studies.localized:localized_pearls",
     "pearl_periods": "studies.period:pearl_periods",
+    "phases": "phase_diagram:phases",
     "register": "studies.families:register",
     "scan": "scans.scan:scan",
     "solve_bvp": "bvp:solve_bvp",
@@ -74,6 +76,7 @@ __all__ = [
     "load",
     "localized_pearls",
     "pearl_periods",
+    "phases",
     "register",
     "scan",
     "solve_bvp",

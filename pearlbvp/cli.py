@@ -28,6 +28,7 @@ from pearlbvp.commands.mesh import mesh
 from pearlbvp.commands.onward import follow, resume, switch, vary
 from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, UNUSABLE
 from pearlbvp.commands.period import period
+from pearlbvp.commands.phases import phases
 from pearlbvp.commands.region import region
 from pearlbvp.commands.scan import scan
 from pearlbvp.commands.show import show
@@ -48,7 +49,7 @@ def cli() -> None:
 
 for command in (
     dispersion, growth, amplitude, amplitude_map, localized, period, region, equilibria,
-    branch, resume, switch, vary, follow, show, diagram, flow, mesh, scan,
+    branch, resume, switch, vary, follow, show, diagram, phases, flow, mesh, scan,
 ):  # fmt: skip
     cli.add_command(command)
 

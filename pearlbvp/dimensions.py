@@ -15,9 +15,9 @@ QUANTITIES: Mapping[str, Dimension] = {
     **dict.fromkeys(("L", "length", "lengths", "period", "periods", "x", "r", "y", "z", "r_min", "r_max", "amplitude", "wave",
                      "gap", "delta", "centre", "shape", "edge", "M", "M0"), LENGTH),
     **dict.fromkeys(("k", "H"), CURVATURE), "c0": SPONTANEOUS, "force": FORCE, "torque": ENERGY,
-    **dict.fromkeys(("lambda1", "E", "E_least_energy"), TENSION),
-    **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "pressure",
-                     "osmolarity"), PRESSURE),
+    **dict.fromkeys(("lambda1", "E", "E_least_energy", "E_other", "excess"), TENSION),
+    **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "lambda2_other",
+                     "pressure", "osmolarity"), PRESSURE),
     **dict.fromkeys(("lambda1_predicted", "E_predicted"), TENSION), "lambda2_predicted": PRESSURE,
     **dict.fromkeys(("A", "wave_predicted"), LENGTH), "a": Dimension(3, -1, -1), "alpha2": Dimension(-4, energy=1),
     **dict.fromkeys(("b", "b1", "b2"), Dimension(-2, -1)),
@@ -29,7 +29,7 @@ QUANTITIES: Mapping[str, Dimension] = {
     **dict.fromkeys(("v", "v_localized", "v_reduced", "area_error", "volume_error", "quality_worst", "quality_mean",
                      "m", "n", "point", "pearls", "pearls_least_energy", "kernel", "n_unstable", "nodes", "triangles",
                      *(f"{name}_{what}" for name in ("lambda1", "lambda2", "E", "wave") for what in ("error", "order")),
-                     "slope", "phi", "psi", "vertex", "i", "j"), NUMBER),
+                     "rank", "branches", "depth", "slope", "phi", "psi", "vertex", "i", "j"), NUMBER),
 }  # fmt: skip
 """Dimensions by the names that columns, options and the numbers of sentences have."""
 

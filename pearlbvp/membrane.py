@@ -76,6 +76,11 @@ class MembraneProblem(Problem):
         return None
 
     @property
+    def repeats(self) -> tuple[int, int]:
+        """Equal periods along the tube, and folds around it: 0 where nothing varies that way."""
+        return 1, 1
+
+    @property
     def turns(self) -> int:
         """Of the frame in which sections repeat, along the tube: triangles that turn likewise fit the shape."""
         return 0

@@ -90,6 +90,11 @@ class PearlProblem(MembraneProblem):
         return self.reference is None
 
     @property
+    def repeats(self) -> tuple[int, int]:
+        """Periods on the tube, and no folds."""
+        return self.cells, 0
+
+    @property
     def in_large_chart(self) -> bool:
         """Whether the unknown is that of the chart of large multipliers (``shapes.large_multipliers``)."""
         return self.discretization.problem is HALF_CELL_LARGE

@@ -78,6 +78,11 @@ class RingProblem(MembraneProblem):
         """Length after which sections repeat: any."""
         return self.length
 
+    @property
+    def repeats(self) -> tuple[int, int]:
+        """No periods, and the lobes."""
+        return 0, self.n
+
     def residual(self, u: Array) -> Array:
         """Defects, boundary conditions and the virial at ``u``."""
         return self.discretization.residual(u)
@@ -93,8 +98,7 @@ class RingProblem(MembraneProblem):
     def profile(self, u: Array) -> PlaneProfile:
         """The section, for ``stability`` and pictures."""
         polynomial, scale = self.discretization.polynomial(u), self._scale
-        multipliers = self._multipliers(u)
-        return PlaneProfile(lambda sigma: polynomial(sigma) * scale, self.n, self.c0, *multipliers)
+        return PlaneProfile(lambda sigma: polynomial(sigma) * scale, self.n, self.c0, *self._multipliers(u))
 
     @property
     def _scale(self) -> Array:

@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.branch import Branch, SpecialPoint
 from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, choice, finite, mode_list, whole
@@ -30,6 +30,8 @@ ENDS = {"pearl": 1.1, "ring": 0.85, "coil": 0.85, "buckle": 0.85, MIXED: 0.9}
 """Reduced volume at which branches of a family end unless asked otherwise. Mixed ones need modes both ways, and many."""
 
 Options = BranchOptions | Mapping[str, BranchOptions] | None
+
+Refused = Callable[[Branch[Any], SpecialPoint], str]
 
 MOST_NAMED = 14
 """Branches that a session shows by name."""
@@ -113,6 +115,7 @@ def diagram(
     lambda2: tuple[float, float] | None = None,
     modes: Iterable[WaveNumbers] | None = None,
     processes: int = 1,
+    refused: Refused = lambda branch, special: "",
 ) -> Diagram:
     """Follow branches from the cylinder, and from their branch points on, to a depth.
 
@@ -127,6 +130,7 @@ def diagram(
         lambda2: follow every family that leaves the cylinder between these two values.
         modes: follow every family of these modes ``(m, n)``, wherever they begin. With neither, all pearls of ``k < 1``.
         processes: how many to work in; 0 for one a core.
+        refused: of a branch and a branch point on it, why what crosses there is not to be followed; empty where it is.
 
     Returns:
         The branches. A branch point that was not located, at which pearls lose their axial symmetry, or coils of ``n > 1``
@@ -163,7 +167,11 @@ def diagram(
                 continue
             branches[name] = branch
             kept = wanted["pearl"] if branch.points[-1].problem.family == "pearl" else wanted[MIXED]
-            tasks |= {child: (_secondary, (branch, *which, kept)) for child, *which in _children(name, branch)}
+            for child, number, special, centre in _children(name, branch):
+                if why := refused(branch, special):
+                    skipped[child] = why
+                else:
+                    tasks[child] = _secondary, (branch, number, centre, kept)
     order = list(primary)
 
     def place(name: str) -> tuple[Any, ...]:
@@ -242,12 +250,12 @@ def _secondary(branch: Branch[Any], number: int, centre: Centre | None, options:
         return error.args[0]
 
 
-def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, Centre | None]]:
-    """Names, numbers and centres of what branches off a branch; no centre where there is no choice, or by default."""
+def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, SpecialPoint, Centre | None]]:
+    """Names, numbers, places and centres of what branches off a branch; no centre where there is no choice, or by default."""
     for number, special in enumerate(branch.find("bp"), start=1):
-        yield f"{name}/{number}", number, None
+        yield f"{name}/{number}", number, special, None
         if branch.points[-1].problem.centred and special.block.parity is None:
-            yield f"{name}/{number} neck", number, "neck"
+            yield f"{name}/{number} neck", number, special, "neck"
 
 
 def join_the_same(one: Branch[Any], two: Branch[Any]) -> bool:

@@ -110,6 +110,11 @@ class TubeShapes(MembraneProblem):
         """Length after which sections repeat."""
         return self.length / (self.symmetry.period or self.symmetry.turns or 1)
 
+    @property
+    def repeats(self) -> tuple[int, int]:
+        """Periods along the tube, of coils their turns, and folds around it."""
+        return self.symmetry.period or self.symmetry.turns, self.symmetry.fold
+
     @cached_property
     def modes(self) -> tuple[Mode, ...]:
         """The functions that solutions are sums of."""

@@ -15,6 +15,7 @@ from pearlbvp.studies.mesh import meshed, shape_mesh
 from pearlbvp.studies.normal_form import normal_forms
 from pearlbvp.studies.onward import followed, resumed, switched, varied
 from pearlbvp.studies.period import pearl_periods
+from pearlbvp.studies.phases import phases
 from pearlbvp.studies.point import chosen
 from pearlbvp.studies.ring_onsets import ring_onsets
 from pearlbvp.studies.shape import shape_branch
@@ -49,6 +50,7 @@ def calls(pearls):
         (load_flow, {"path": "no such file"}),
         (saved.save, {"branch": pearls, "path": "no such folder/b.h5"}),
         (diagram, {"c0": 0.0, "length": 10, "depth": 0, "options": FEW, "modes": [(0, 2)], "processes": 1}),
+        (phases, {"tube": tube, "volumes": [1.01], "depth": 0, "modes": [(1, 0)], "unstable": 2, "processes": 1}),
         (coefficients, {"c0": 0.0, "length": 10, "modes": [(1, 1)]}),
         (predicted_branch, {"c0": 0.0, "length": 10, "mode": (1, 1), "family": "coil", "largest": 0.1, "points": 5}),
         (branch_points, {"c0": 0.0, "length": 10, "max_m": 2, "max_n": 2}),

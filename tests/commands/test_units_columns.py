@@ -23,9 +23,9 @@ PHYSICAL = {
     **dict.fromkeys(("L", "period", "amplitude", "wave", "r_min", "r_max", "x", "r", "A", "wave_predicted", "M", "wavelength"), R),
     **dict.fromkeys(("k", "H"), 1 / R),
     "C0": 2 / R,
-    **dict.fromkeys(("lambda1", "E", "E_least_energy", "lambda1_predicted", "E_predicted", "lambda1_lower",
+    **dict.fromkeys(("lambda1", "E", "E_least_energy", "E_other", "excess", "lambda1_predicted", "E_predicted", "lambda1_lower",
                      "lambda1_pearl"), 2 * KAPPA / R**2),
-    **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "lambda2_predicted",
+    **dict.fromkeys(("lambda2", "lambda2_pearl", "lambda2_upper", "lower_lambda2", "upper_lambda2", "lambda2_predicted", "lambda2_other",
                      "velocity", "rate"), 2 * KAPPA / R**3),  # rates in fluids, by their viscosity
     # velocities are pressures, so that rates are pressures by length, and times lengths by pressure
     **dict.fromkeys(("mu_crit", "mu_error", "mu"), 2 * KAPPA / R**4), "mu_diffusion": 2 * KAPPA / R**6,
@@ -81,13 +81,13 @@ FROM_A_TUBE = {
     "period": (["--c0", "{c0}", "--lengths", "{L}", "--volume", "1.01", "--processes", "1"], ()),
     "amplitude": (["--c0", "{c0}", "--length", "{L}", "--mode", "2,0", "--mode", "1,1"], ("--branch",)),
     "amplitude-map": (["--c0", "{c0},{c1}", "--lengths", "{L},{L1}"], ("--meetings",)),
-    "branch pearl": (
-        ["--c0", "{c0}", "--length", "{L}", "--mode", "2,0", "--max-points", "3", "--fix", "osmotic=90,ade=1"],
-        (),
-    ),
+    "phases": (["--c0", "{c0}", "--length", "{L}", "--volumes", "1.005,1.02", "--mode", "2,0", "--processes", "1"],
+               ("--transitions",)),
+    "branch pearl": (["--c0", "{c0}", "--length", "{L}", "--mode", "2,0", "--max-points", "3", "--fix", "osmotic=90,ade=1"],
+                     ()),
     "branch ring": (["--c0", "{c1}", "--length", "{L}", "--max-points", "3"], ()),
     "mesh": (["--c0", "{c0}", "--length", "{half}", "--nodes", "400"], ()),
-}
+}  # fmt: skip
 RADII = {"c0": "0.48", "c1": "-0.5", "L": "15", "half": "7.5", "L1": "12", "tension": "0.5"}
 IN_NM = {
     "c0": "1/(52.083333333333336nm)",

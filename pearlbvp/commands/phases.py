@@ -1,0 +1,120 @@
+"""``pearlbvp phases``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pearlbvp.commands.arguments import File, ModeNumbers, Number, Numbers
+from pearlbvp.commands.command import Command, of_this_command
+from pearlbvp.commands.output import check_distinct, check_outputs, outputs, radius_option, write, write_table
+from pearlbvp.errors import InputError
+from pearlbvp.messages import counted, say
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from pearlbvp.studies.phases import Phases
+    from pearlbvp.units import Units
+
+
+@click.command(
+    cls=Command,
+    epilog="Examples:  pearlbvp phases --c0 0.48 --length 15 --volumes 1:1.2:0.01 --out p.csv --transitions t.csv "
+    "--plot p.png  |  "
+    "pearlbvp phases --c0 0 --length 10 --volumes 0.8:1.3:0.01 --mode 1,0 --mode 1,1 --depth 0 --plot p.png",
+)
+@click.option("--c0", type=Number("c0"), required=True, help="Spontaneous curvature.")
+@click.option("--length", type=Number("length"), metavar="L", required=True, help="Axial period of the tube.")
+@click.option("--volumes", type=Numbers(), required=True, help="Reduced volumes: 0.6:1.3:0.01, or a list.")
+@click.option(
+    "--depth", type=click.IntRange(min=0), default=1, show_default=True,
+    help="0 for branches from the straight tube, 1 for those that cross them, too, and so on.",
+)  # fmt: skip
+@click.option(
+    "--mode", "modes", type=ModeNumbers(), multiple=True,
+    help="Follow every family of these modes.  [default: pearls of k < 1, the first four others by lambda2, and 0,2]",
+)  # fmt: skip
+@click.option(
+    "--unstable", type=click.IntRange(min=0), default=2, show_default=True,
+    help="Follow what crosses a branch where so many directions, or fewer, are unstable.",
+)  # fmt: skip
+@click.option("--processes", type=click.IntRange(min=1), help="How many.  [default: one a core]")
+@click.option(
+    "--transitions", type=File(), metavar="FILE.csv",
+    help="Write where the least shape changes, and where shapes gain or lose stability.",
+)  # fmt: skip
+@outputs
+@radius_option
+def phases(
+    c0: float,
+    length: float,
+    volumes: list[float],
+    depth: int,
+    modes: tuple[tuple[int, int], ...],
+    unstable: int,
+    processes: int | None,
+    transitions: Path | None,
+    out: Path | None,
+    plot: Path | None,
+    units: Units,
+) -> int:
+    """Which shape a tube takes: all stable shapes that are found at each volume, and where the least one changes.
+
+    Columns: v, branch (as diagram names them), family, symmetry, rank (1 has the least energy), E, excess over the least,
+    lambda1, lambda2, force, n_unstable, mu_crit, critical, amplitude, r_min, r_max, c0, L, branches and depth (what the
+    ranks rest on), message. Of the transitions: v, event (maxwell, continuous or jump: the least shape changes at equal
+    energies, continuously, or because one begins or ends; stable, unstable: as v grows; end: of what could be followed),
+    branch, other, E, E_other, lambda2, lambda2_other, special, critical, c0, L, message. Unstable parts are dashed.
+    """
+    from pearlbvp.files import writable
+
+    out, plot = check_outputs(out, plot)
+    transitions = None if transitions is None else writable("--transitions", transitions)
+    if plot is not None and len(set(volumes)) < 2:
+        raise InputError("--plot: one volume makes no picture; give several, like 0.9:1.1:0.01")
+    check_distinct({"--out": out, "--plot": plot, "--transitions": transitions})
+    found = _found(c0, length, volumes, depth, modes, unstable, processes, units)
+
+    def draw() -> Figure:
+        from pearlbvp.figures.phases import draw_phases
+
+        return draw_phases(found, units=units)
+
+    events = units.columns(found.transitions)
+    others = [] if transitions is None else [lambda: write_table("--transitions", transitions, events)]
+    status = write(units.columns(found.table), out, plot, draw, others)
+    _tell(found, units)
+    return status
+
+
+def _found(
+    c0: float, length: float, volumes: list[float], depth: int, modes: tuple[tuple[int, int], ...],
+    unstable: int, processes: int | None, units: Units,
+) -> Phases:  # fmt: skip
+    from pearlbvp.progress import progress
+
+    with progress("branch") as bar:
+        from pearlbvp.studies.phases import phases as study
+
+        def follow(name: str) -> None:
+            bar.set_description(name, refresh=False)
+            bar.update()
+
+        return study(units.tube(c0, length), volumes, depth=depth, modes=list(modes) or None, unstable=unstable,
+                     processes=processes or 0, progress=follow)  # fmt: skip
+
+
+def _tell(found: Phases, units: Units) -> None:
+    """What the statements rest on, and which shape is the least where."""
+    for why in dict.fromkeys(found.skipped.values()):
+        say(
+            f"not followed: {', '.join(name for name in found.skipped if found.skipped[name] == why)}: {of_this_command(why)}"
+        )
+    for name, why in found.unfinished.items():
+        say(f"{name} ends: {of_this_command(why)}")
+    for low, high, name in found.ranges.itertuples(index=False):
+        say(f"v = {low:.8g} to {high:.8g}: the least is {name or 'none: no stable shape was found'}")
+    say(f"the least of {counted(len(found.branches), 'branch', 'branches')} to depth {found.depth}")

@@ -1,0 +1,66 @@
+"""Which shape a tube takes, with the verbs of an ordinary analysis: nothing is computed here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import fields
+from typing import TYPE_CHECKING
+
+from pearlbvp.helfrich import Tube, WaveNumbers
+from pearlbvp.progress import progress
+from pearlbvp.studies import phases as study
+from pearlbvp.units import RADII, Units
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Phases(study.Phases):
+    """Which shapes a tube takes: ``table``, ``transitions``, ``ranges``, ``shapes(v)``, and a picture."""
+
+    def plot(self, units: Units = RADII) -> Figure:
+        """Energies above the least, which shape that is, and what it looks like.
+
+        Raises:
+            InputError: it has one volume only.
+        """
+        from pearlbvp.figures.phases import draw_phases
+
+        return draw_phases(self, units)
+
+
+def phases(
+    tube: Tube,
+    volumes: float | str | Iterable[float],
+    depth: int = 1,
+    *,
+    modes: Iterable[WaveNumbers] | None = None,
+    unstable: int = 2,
+    processes: int = 0,
+) -> Phases:
+    """Which shape the tube takes at which volume: all stable shapes that were found, the least, and where that changes.
+
+    Args:
+        tube: the straight tube.
+        volumes: reduced volumes, or a text like ``0.6:1.3:0.01``.
+        depth: 0 for branches from the straight tube only, 1 for those that cross them, too, and so on.
+        modes: follow every family of these; by default all pearls of ``k < 1`` and the first others.
+        unstable: what crosses a branch is followed where so many directions, or fewer, are unstable.
+        processes: how many to work in; 0 for one a core.
+
+    Returns:
+        Tables (``table``, ``transitions``, ``ranges``), shapes (``shapes(v)``), a picture (``plot()``), and what they rest on.
+
+    Raises:
+        InputError: an argument that cannot be used.
+
+    Example:
+        >>> import pearlbvp as pb
+        >>> found = pb.phases(pb.Tube(0.48, 15), [1.005, 1.01], modes=[(2, 0)])
+        >>> list(found.ranges.branch), list(found.shapes(1.01))
+        (['2', '2/1'], ['2/1'])
+    """
+    with progress("branch") as bar:
+        found = study.phases(tube, volumes, depth=depth, modes=modes, unstable=unstable, processes=processes,
+                             progress=lambda name: bar.update())  # fmt: skip
+    return Phases(**{field.name: getattr(found, field.name) for field in fields(found)})

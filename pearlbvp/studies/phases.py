@@ -1,0 +1,314 @@
+"""Which shape does a tube take? All stable shapes that were found at each volume, the least of them, and where that changes.
+
+Branches come from ``studies.diagram``. Every statement rests on them: a shape on a branch that was not followed is not seen.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
+from pearlbvp.continuation.following import BranchOptions
+from pearlbvp.continuation.path import PathEnd
+from pearlbvp.continuation.solution import Solution
+from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube, WaveNumbers, cylinder_energy, known_tube, whole
+from pearlbvp.numbers import as_numbers
+from pearlbvp.studies.branch import branch_options
+from pearlbvp.studies.diagram import ENDS, diagram
+from pearlbvp.studies.stretches import SAME_VOLUME, Piece, distinct, is_same, pieces
+from pearlbvp.studies.transitions import STRAIGHT, least_parts, ranges, transitions
+from pearlbvp.theory.dispersion import critical_lambda2, stable_interval
+
+COLUMNS = ["v", "branch", "family", "symmetry", "rank", "E", "excess", "lambda1", "lambda2", "force", "n_unstable", "mu_crit",
+           "critical", "amplitude", "r_min", "r_max", "c0", "L", "branches", "depth", "message"]  # fmt: skip
+CURVES = ["branch", "stable", "v", "E", "excess"]
+OBSERVED = ("E", "lambda1", "lambda2", "force", "amplitude", "r_min", "r_max")
+
+MODES = 4
+"""Modes of branches that lead to volumes below 1, by increasing ``lambda2``, whose families are followed by default."""
+
+NONE = "no stable shape was found; follow to a larger depth, or where more directions are unstable"
+
+LOWEST_TURN = 0.9
+"""Volume down to which pearls are followed even where only larger ones are asked for, for they may turn."""
+
+MOST_UNSTABLE = 2
+"""Unstable directions on a branch up to which what crosses it there is followed."""
+
+
+@dataclass(frozen=True)
+class WithinVolumes:
+    """A reason to end a branch: its volume leaves a range."""
+
+    low: float
+    high: float
+
+    def __call__(self, point: Solution[Any]) -> str | None:
+        """Why a branch ends at a point, or None."""
+        inside = self.low - SAME_VOLUME <= point.value("v") <= self.high + SAME_VOLUME
+        return None if inside else "its volume leaves the range"
+
+
+@dataclass(frozen=True)
+class Phases:
+    """Which shapes a tube takes.
+
+    Attributes:
+        tube: the straight tube.
+        table: a row for each stable shape at each volume, the columns ``COLUMNS``; a row without a shape where none was found.
+        transitions: where the least shape changes and where shapes gain and lose stability: ``studies.transitions.COLUMNS``.
+        solutions: the shapes of the table by volume and name, the straight tube aside.
+        ranges: volumes at which the shapes of a branch are the least, one after another: ``low, high, branch``.
+        curves: energies of all branches, dense enough to draw: ``CURVES``, pieces apart by a row without numbers.
+        branches: what was followed, by the names of ``studies.diagram``.
+        skipped: branch points that were not followed, by name, and why.
+        unfinished: branches that end within the range, and why.
+        depth: to which they were followed.
+    """
+
+    tube: Tube
+    table: pd.DataFrame
+    transitions: pd.DataFrame
+    solutions: Mapping[tuple[float, str], Solution[Any]]
+    ranges: pd.DataFrame
+    curves: pd.DataFrame
+    branches: Mapping[str, Branch[Any]]
+    skipped: Mapping[str, str]
+    unfinished: Mapping[str, str]
+    depth: int
+
+    def __repr__(self) -> str:
+        whole = self.ranges.itertuples(index=False)
+        rows = [f"  v = {low:.8g} to {high:.8g}: {name or 'none'}" for low, high, name in whole]
+        head = f"phases of c0 = {self.tube.c0:g}, L = {self.tube.length:g}: the least shape of {self.rests_on}"
+        return "\n".join([head, *rows])
+
+    @property
+    def rests_on(self) -> str:
+        """What is meant by the least."""
+        return f"{len(self.branches)} branches to depth {self.depth}"
+
+    def shapes(self, v: float) -> dict[str, Solution[Any]]:
+        """The stable shapes of a volume of the table by name, the least first."""
+        rows = self.table[(self.table["v"] - v).abs() <= SAME_VOLUME].sort_values("E")
+        return {name: self.solutions[at, name] for at, name in zip(rows["v"], rows["branch"], strict=True)
+                if (at, name) in self.solutions}  # fmt: skip
+
+
+def phases(
+    tube: Tube,
+    volumes: float | str | Iterable[float],
+    *,
+    depth: int = 1,
+    modes: Iterable[WaveNumbers] | None = None,
+    unstable: int = MOST_UNSTABLE,
+    processes: int = 1,
+    progress: Callable[[str], None] = lambda name: None,
+) -> Phases:
+    """Which shape does a tube of given area and length take at which volume?
+
+    Args:
+        tube: the straight tube.
+        volumes: reduced volumes, in any order, or a text like ``0.6:1.3:0.01``.
+        depth: 0 for branches from the straight tube, 1 for those that cross them, too, and so on.
+        modes: follow every family of these; by default ``default_modes``.
+        unstable: what crosses a branch is followed where so many directions, or fewer, are unstable.
+        processes: how many to work in; 0 for one a core.
+        progress: called with the name of each branch before it is followed.
+
+    Returns:
+        The answer as tables, and the shapes.
+
+    Raises:
+        InputError: an argument that cannot be used.
+
+    Example:
+        >>> found = phases(Tube(0.48, 10), [1.1, 1.2], depth=0)
+        >>> list(found.shapes(1.2)), found.transitions.empty
+        (['1'], True)
+    """
+    known_tube(tube)
+    depth, unstable, wanted = whole("depth", depth, 0), whole("unstable", unstable, 0), _volumes(tube, volumes)
+    low, high = min(1.0, wanted[0]), max(1.0, wanted[-1])
+    chosen = default_modes(tube, low < 1, high > 1) if modes is None else modes
+    found = diagram(tube.c0, tube.length, depth, _options(low, high), progress, modes=chosen, processes=processes,
+                    refused=partial(_too_unstable, unstable))  # fmt: skip
+    if not found.branches:
+        raise InputError("modes: no branch could be followed; choose other modes, or another length")
+    everything = [piece for name, branch in found.branches.items() for piece in pieces(name, branch)]
+    stretches = distinct([piece for piece in everything if piece.stable])
+    unfinished = {name: branch for name, branch in found.branches.items() if _ends_within(branch, low, high)}
+    said = {name: branch.reason for name, branch in unfinished.items()}
+    parts = least_parts(stretches, wanted[0], wanted[-1], lambda what: said.update({what.partition(",")[0]: what}))
+    table, solutions = _at_volumes(tube, wanted, stretches, unfinished)
+    table = table.assign(c0=tube.c0, L=tube.length, branches=len(found.branches), depth=depth)
+    events = transitions(tube, parts, stretches, list(found.branches), wanted[0], wanted[-1])
+    curves = _curves(everything, stretches, wanted[0], wanted[-1])
+    table = table.reindex(columns=COLUMNS).astype({"n_unstable": "Int64", "rank": "Int64"})
+    return Phases(
+        tube, table, events, solutions, ranges(parts), curves, found.branches, found.skipped, said, depth
+    )  # fmt: skip
+
+
+def largest_volume(tube: Tube) -> float:
+    """Reduced volume that no tube of that area exceeds: of the straight tube, or of one sphere where that is larger.
+
+    Of given area these two hold most in a space that is periodic along one axis (Pedrosa and Ritore, Indiana Univ. Math. J. 48
+    (1999) 1357).
+    """
+    return max(1.0, math.sqrt(2 * tube.length) / 3)
+
+
+def _volumes(tube: Tube, volumes: float | str | Iterable[float]) -> list[float]:
+    """Volumes in order, each once.
+
+    Raises:
+        InputError: one that no tube has.
+    """
+    wanted, most = sorted(set(as_numbers("volumes", volumes))), largest_volume(tube)
+    if wanted[0] <= 0:
+        raise InputError(f"volumes: {wanted[0]:g} must be above 0; give reduced volumes like 0.6:1.3:0.01")
+    if wanted[-1] >= most and wanted[-1] > 1:
+        raise InputError(f"volumes: no tube of that area and length has v = {wanted[-1]:g}; stay below {most:.6g}")
+    return wanted
+
+
+def default_modes(tube: Tube, below: bool, above: bool) -> list[WaveNumbers]:
+    """Modes whose branches matter: pearls lead to volumes above 1, where ``k < 1``, all others below.
+
+    Near the straight tube ``E`` changes by ``-lambda2 (v - 1)/2``: below 1 the modes of smallest ``lambda2`` have the least
+    energy, and rings, whose turn may come at smaller volumes, are there in any case. Pearls of ``k > 1`` may turn to larger
+    volumes.
+
+    Args:
+        tube: the straight tube.
+        below, above: whether there are volumes below or above 1.
+    """
+    waves = [(m, tube.wave_number(m)) for m in range(math.ceil(tube.length / math.pi) + 2)]
+    pearls = [(m, 0) for m, k in waves if 0 < k < 1]
+    others = [(m, n) for m, k in waves for n in range(5) if (n or k > 1) and (m, n) != (0, 1)]
+    others.sort(key=lambda mode: float(critical_lambda2(tube.wave_number(mode[0]), mode[1], tube.c0)))
+    first = others[:MODES]
+    first += [(0, 2)] * ((0, 2) not in first)
+    return pearls * above + [mode for mode in first if below or mode[1] == 0]
+
+
+def _options(low: float, high: float) -> dict[str, BranchOptions]:
+    """Where branches of each family end: at that end of the range to which they lead, or beyond the other."""
+    options = {name: replace(branch_options({"v": low}), limit=WithinVolumes(low, high)) for name in ENDS}
+    pearls = WithinVolumes(min(low, LOWEST_TURN), high)
+    return options | {"pearl": replace(branch_options({"v": high}), limit=pearls)}
+
+
+def _too_unstable(most: int, branch: Branch[Any], special: SpecialPoint) -> str:
+    """Why what crosses at a branch point is not followed: it has as many unstable directions as the branch, or more."""
+    return f"more than {most} directions are unstable there" if branch.at(special).spectrum.n_unstable > most else ""
+
+
+def _ends_within(branch: Branch[Any], low: float, high: float) -> bool:
+    """Whether a branch ends where it could go on, at a volume within the range."""
+    whole = (Status.REACHED, Status.GIVEN, Status.PITCHFORK)
+    return branch.status not in whole and low < branch.points[-1].value("v") < high
+
+
+def _misses(tube: Tube, branch: Branch[Any], v: float) -> bool:
+    """Whether a volume that its shapes could have lies beyond the end of a branch, where they may be stable."""
+    last = branch.points[-1]
+    end, before = (branch.points[i].value("v") for i in (-1, max(len(branch.points) - 2, 0)))
+    most = largest_volume(Tube(tube.c0, tube.length / max(last.problem.repeats[0], 1)))
+    return (v - end) * (end - before) > 0 and v < most and last.spectrum.n_unstable <= MOST_UNSTABLE
+
+
+# At given volumes.
+
+
+def _at_volumes(
+    tube: Tube, volumes: Sequence[float], stretches: Sequence[Piece], unfinished: Mapping[str, Branch[Any]]
+) -> tuple[pd.DataFrame, dict[tuple[float, str], Solution[Any]]]:
+    """The table, and the shapes in it."""
+    rows: list[dict[str, Any]] = []
+    solutions: dict[tuple[float, str], Solution[Any]] = {}
+    for v in volumes:
+        said = [f"{name} was not followed to here" for name, branch in unfinished.items() if _misses(tube, branch, v)]
+        found, failed = _stable_at(v, stretches)
+        solutions |= {(v, name): shape for name, shape in found.items()}
+        here = [_row(name, shape) for name, shape in found.items()]
+        if abs(v - 1) <= SAME_VOLUME and stable_interval(tube).exists:
+            here.append(_straight_row(tube))
+        here.sort(key=lambda row: float(row["E"]))
+        said = (
+            ["no stable shape was found; follow to a larger depth, or where more directions are unstable"] * (not here)
+            + said
+            + failed
+        )
+        for rank, row in enumerate(here, start=1):
+            rows.append({"v": v, **row, "rank": rank, "excess": row["E"] - here[0]["E"], "message": "; ".join(said)})
+        if not here:
+            rows.append({"v": v, "branch": "", "message": "; ".join(said)})
+    return pd.DataFrame(rows), solutions
+
+
+def _stable_at(v: float, stretches: Sequence[Piece]) -> tuple[dict[str, Solution[Any]], list[str]]:
+    """The stable shapes of a volume by name, each once, and what could not be computed; the straight tube is none of them."""
+    found: dict[str, Solution[Any]] = {}
+    failed = []
+    for piece in stretches:
+        if not piece.low - SAME_VOLUME <= v <= piece.high + SAME_VOLUME or abs(v - 1) <= SAME_VOLUME:
+            continue
+        try:
+            shape = piece.at(v)
+        except PathEnd as error:
+            failed.append(f"{piece.name}: {error.args[0]}")
+            continue
+        if shape.spectrum.n_unstable == 0 and not any(is_same(shape, other) for other in found.values()):
+            found[f"{piece.name} again" if piece.name in found else piece.name] = shape
+    return found, failed
+
+
+def _straight_row(tube: Tube) -> dict[str, Any]:
+    """The straight tube, whose multipliers are no numbers: at each of an interval of them it is stable."""
+    return {"branch": STRAIGHT, "family": "cylinder", "symmetry": symmetry(0, 0), "E": cylinder_energy(tube.c0),
+            "n_unstable": 0, "amplitude": 0.0, "r_min": 1.0, "r_max": 1.0}  # fmt: skip
+
+
+def _row(name: str, shape: Solution[Any]) -> dict[str, Any]:
+    spectrum = shape.spectrum
+    return {
+        "branch": name, "family": shape.problem.family, "symmetry": symmetry(*shape.problem.repeats),
+        **{column: shape.observables[column] for column in OBSERVED},
+        "n_unstable": spectrum.n_unstable, "mu_crit": spectrum.mu_crit, "critical": str(spectrum.critical),
+    }  # fmt: skip
+
+
+def symmetry(periods: int, folds: int) -> str:
+    """Equal periods along and folds around a tube in words: ``2 periods, axisymmetric``, or ``1 period`` with one fold."""
+    along = f"{periods} period{'s' * (periods > 1)}" if periods else "uniform along x"
+    return along + {0: ", axisymmetric", 1: ""}.get(folds, f", {folds}-fold")
+
+
+# Along all volumes.
+
+
+def _curves(everything: Sequence[Piece], stretches: Sequence[Piece], low: float, high: float) -> pd.DataFrame:
+    """Energies along all branches, and by how much they exceed the least stable one of their volume, within a range."""
+    tables = [pd.DataFrame(columns=CURVES)]
+    for piece in everything:
+        v = piece.samples()
+        v = v[(v >= low) & (v <= high)]
+        if len(v) == 0:
+            continue
+        least = np.fmin.reduce([other.energies(v) for other in stretches] or [np.full_like(v, np.nan)])
+        energy = piece.energies(v)
+        table = pd.DataFrame({"v": v, "E": energy, "excess": energy - least}).assign(
+            branch=piece.name, stable=piece.stable
+        )
+        tables += [table, pd.DataFrame({"branch": [piece.name], "stable": [piece.stable]})]
+    return pd.concat(tables, ignore_index=True).reindex(columns=CURVES)
