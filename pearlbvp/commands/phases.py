@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from pearlbvp.units import Units
 
 
+MOST_NAMED = 6
+"""Branch points of one reason that are named one by one."""
+
+
 @click.command(
     cls=Command,
     epilog="Examples:  pearlbvp phases --c0 0.48 --length 15 --volumes 1:1.2:0.01 --out p.csv --transitions t.csv "
@@ -110,9 +114,9 @@ def _found(
 def _tell(found: Phases, units: Units) -> None:
     """What the statements rest on, and which shape is the least where."""
     for why in dict.fromkeys(found.skipped.values()):
-        say(
-            f"not followed: {', '.join(name for name in found.skipped if found.skipped[name] == why)}: {of_this_command(why)}"
-        )
+        names = [name for name in found.skipped if found.skipped[name] == why]
+        more = f" and {len(names) - MOST_NAMED} more" * (len(names) > MOST_NAMED)
+        say(f"not followed: {', '.join(names[:MOST_NAMED])}{more}: {of_this_command(why)}")
     for name, why in found.unfinished.items():
         say(f"{name} ends: {of_this_command(why)}")
     for low, high, name in found.ranges.itertuples(index=False):

@@ -183,6 +183,31 @@ def _branch(cases: Sequence[Case]) -> list[Sequence[Row]]:
     return [[rows[float(case.parameters[4])]] for case in cases]
 
 
+PHASES_DEPTH = 1
+"""To which the branches of phases are followed."""
+
+
+def _phases(cases: Sequence[Case]) -> list[Sequence[Row]]:
+    """The stable shapes of a tube at some volumes, all on one side of 1: branches are followed once."""
+    from pearlbvp.helfrich import Tube
+    from pearlbvp.studies.phases import phases
+
+    c0, length, _ = cases[0].parameters
+    wanted = [float(case.parameters[2]) for case in cases]
+    table = phases(Tube(float(c0), float(length)), wanted, depth=PHASES_DEPTH).table
+    status = {True: "none_in_range", False: "found"}
+    rows = [{**row, "status": status[row["branch"] == ""]} for row in _records(table)]
+    return [[row for row in rows if row["v"] == v] for v in wanted]
+
+
+def _check_phases(case: Case) -> None:
+    from pearlbvp.helfrich import Tube
+    from pearlbvp.studies.phases import known_volumes
+
+    c0, length, v = case.parameters
+    known_volumes(Tube(float(c0), float(length)), float(v))
+
+
 def _side(case: Case) -> tuple[Value, ...]:
     return (*case.parameters[:4], float(case.parameters[4]) > 1)
 
@@ -236,6 +261,15 @@ QUESTIONS: Mapping[str, Question] = {
             _branch, _side, integers=("n_unstable",), check=_check_branch, drawn="lambda2",
             says="A branch from the straight tube, at given volumes.",
             example="branch coil --mode 1,1 --c0 0:0.48:0.04 --lengths 8:16:1 --volumes 0.9,0.95 --store b.sqlite",
+        ),
+        Question(
+            "phases", ("c0", "L", "v"),
+            ("c0", "L", "v", "status", "branch", "family", "symmetry", "rank", "E", "excess", "lambda1", "lambda2", "force",
+             "n_unstable", "mu_crit", "critical", "amplitude", "r_min", "r_max", "branches", "depth", "message"),
+            _phases, lambda case: (*case.parameters[:2], float(case.parameters[2]) > 1),
+            integers=("rank", "n_unstable", "branches", "depth"), settings={"depth": PHASES_DEPTH}, check=_check_phases,
+            drawn="E", says="Which shapes are stable on a tube at given volumes, by their energy.",
+            example="phases --c0 0.3:0.48:0.02 --lengths 10:20:1 --volumes 1.005,1.01,1.05 --store h.sqlite",
         ),
     )
 }  # fmt: skip

@@ -46,8 +46,8 @@ class Diagram:
 
     Attributes:
         branches: ``3`` is the branch of three equal pearls, ``3/1`` the one that crosses it at its first branch point,
-            ``3/1 neck`` that centred on a neck; ``ring 0:2``, ``coil 1:1``, ``buckle 1:1`` are those of other families with
-            their mode, ``ring 0:2/1`` what branches off there.
+            ``3/1 neck`` that centred on a neck, ``3/1 shrink`` its other half where that has other shapes; ``ring 0:2``,
+            ``coil 1:1``, ``buckle 1:1`` are those of other families with their mode, ``ring 0:2/1`` what branches off there.
         skipped: branch points that were not followed, by name, and why.
     """
 
@@ -156,6 +156,14 @@ def diagram(
         for name in tasks:
             progress(name)
         found = dict(zip(tasks, _all_done(list(tasks.values()), processes), strict=True))
+        halves = {
+            f"{name} {SHRINK}": (_secondary, (*tasks[name][1], False))
+            for name, branch in found.items()
+            if tasks[name][0] is _secondary and not isinstance(branch, str) and _has_two_sides(name, branch)
+        }
+        for name in halves:
+            progress(name)
+        found |= dict(zip(halves, _all_done(list(halves.values()), processes), strict=True))
         tasks = {}
         for name, branch in found.items():
             if isinstance(branch, str):
@@ -242,12 +250,26 @@ def _primary(tube: Tube, family: str, mode: WaveNumbers, options: BranchOptions)
         return error.args[0]
 
 
-def _secondary(branch: Branch[Any], number: int, centre: Centre | None, options: BranchOptions) -> Branch[Any] | str:
+def _secondary(
+    branch: Branch[Any], number: int, centre: Centre | None, options: BranchOptions, grow: bool = True
+) -> Branch[Any] | str:
     """The branch that crosses another at its branch point ``number``."""
     try:
-        return switched(branch, number, options, centre=centre)
+        return switched(branch, number, options, centre=centre, grow=grow)
     except InputError as error:
         return error.args[0]
+
+
+SHRINK = "shrink"
+"""Name of the half of a branch on which the tube shrinks at its centre."""
+
+ONE_SIDED = 1e-6
+"""Slope of the volume at a pitchfork, to the accuracy of differences."""
+
+
+def _has_two_sides(name: str, branch: Branch[Any]) -> bool:
+    """Whether a branch leaves another at no pitchfork: its two halves are no images of each other, and volume goes through."""
+    return not name.endswith(" neck") and abs(branch.points[0].slopes.get("v", 0.0)) > ONE_SIDED
 
 
 def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, SpecialPoint, Centre | None]]:

@@ -136,7 +136,7 @@ def phases(
         (['1'], True)
     """
     known_tube(tube)
-    depth, unstable, wanted = whole("depth", depth, 0), whole("unstable", unstable, 0), _volumes(tube, volumes)
+    depth, unstable, wanted = whole("depth", depth, 0), whole("unstable", unstable, 0), known_volumes(tube, volumes)
     low, high = min(1.0, wanted[0]), max(1.0, wanted[-1])
     chosen = default_modes(tube, low < 1, high > 1) if modes is None else modes
     found = diagram(tube.c0, tube.length, depth, _options(low, high), progress, modes=chosen, processes=processes,
@@ -167,7 +167,7 @@ def largest_volume(tube: Tube) -> float:
     return max(1.0, math.sqrt(2 * tube.length) / 3)
 
 
-def _volumes(tube: Tube, volumes: float | str | Iterable[float]) -> list[float]:
+def known_volumes(tube: Tube, volumes: float | str | Iterable[float]) -> list[float]:
     """Volumes in order, each once.
 
     Raises:

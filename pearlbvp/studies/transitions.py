@@ -162,7 +162,8 @@ def _neighbours(piece: Piece, number: int, stretches: Sequence[Piece], names: Se
     branch, name = piece.branch, piece.name
     here = [str(k) for k, found in enumerate(branch.find("bp"), start=1) if found.index == number]
     found = [name.rpartition("/")[0] or STRAIGHT] if number == 0 else []
-    found += [other for other in names if any(other in (f"{name}/{k}", f"{name}/{k} neck") for k in here)]
+    children = {f"{name}/{k}" for k in here}
+    found += [other for other in names if other.removesuffix(" neck").removesuffix(" shrink") in children]
     place = branch.points[number].observables
     for other in stretches:
         ends = (other.branch.points[i].observables for i in other.ends)

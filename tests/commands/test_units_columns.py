@@ -153,7 +153,7 @@ def test_columns_of_what_is_saved(capsys, saved, command, options):
 @pytest.mark.parametrize(
     "question",
     ["dispersion --lengths {L}", "localized --period {half} --lengths {L}", "period --lengths {L}",
-     "region --period {half} --pearls 2", "amplitude-map --lengths {L}", "branch coil --mode 1,1 --lengths {L1} --volumes 0.98"],
+     "region --period {half} --pearls 2", "amplitude-map --lengths {L}", "branch coil --mode 1,1 --lengths {L1} --volumes 0.98", "phases --lengths {half} --volumes 1.01"],
 )  # fmt: skip
 def test_columns_of_scans(capsys, tmp_path, question):
     """Asked in radii and in nanometres, and written in all."""

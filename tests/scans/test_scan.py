@@ -47,6 +47,17 @@ def test_a_branch_is_asked_at_volumes_on_either_side(tmp_path):
     assert found["lambda2"][2] == pytest.approx(alone.observables["lambda2"], abs=1e-8)
 
 
+def test_shapes_of_a_tube_are_asked_by_volume(tmp_path):
+    found = scan("phases", tmp_path / "s.sqlite", c0=0.48, L=[7.5, 15], v=[1.005, 1.02], workers=1)
+    expected = pb.phases(pb.Tube(0.48, 15), [1.005, 1.02], processes=1)
+    assert found["branch"].tolist() == ["1", "1", "2", "2/1"]
+    assert found["rank"].tolist() == [1, 1, 1, 1]
+    assert found["E"].tolist()[2:] == expected.table["E"].tolist()
+    assert set(found["status"]) == {"found"}
+    with pytest.raises(InputError, match="^volumes: no tube of that area"):
+        scan("phases", tmp_path / "s.sqlite", c0=0.48, L=10, v=1.6, workers=1)
+
+
 def test_pearls_of_the_critical_period_are_those_that_the_tube_loses_its_stability_to(tmp_path):
     found = scan("localized", tmp_path / "s.sqlite", c0=0.48, period="critical", L=[5, 16, 30], workers=1)
     expected = pb.pearl_periods(0.48, [5, 16, 30], processes=1)

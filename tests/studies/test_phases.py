@@ -61,6 +61,8 @@ def test_stability_changes_where_they_are_computed_otherwise(three):
     order = [table.loc[key, "v"] for key in (("stable", "3/1"), ("maxwell", "3"), ("unstable", "3"))]
     assert order == sorted(order)
     assert list(three.ranges["branch"]) == ["3", "3/1"]
+    assert list(three.branches) == ["3", "3/1", "3/1 shrink"]  # the two halves of a transcritical crossing
+    assert three.skipped == {"3/1 neck": "it is the branch 3/1"}
 
 
 def test_all_stable_shapes_of_a_volume_stand_by_their_energy(three):
