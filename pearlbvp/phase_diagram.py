@@ -36,6 +36,7 @@ def phases(
     *,
     modes: Iterable[WaveNumbers] | None = None,
     unstable: int = 2,
+    flows: bool = False,
     processes: int = 0,
 ) -> Phases:
     """Which shape the tube takes at which volume: all stable shapes that were found, the least, and where that changes.
@@ -46,6 +47,7 @@ def phases(
         depth: 0 for branches from the straight tube only, 1 for those that cross them, too, and so on.
         modes: follow every family of these; by default all pearls of ``k < 1`` and the first others.
         unstable: what crosses a branch is followed where so many directions, or fewer, are unstable.
+        flows: let shapes flow where they lose their stability, to see what they fall to.
         processes: how many to work in; 0 for one a core.
 
     Returns:
@@ -61,6 +63,6 @@ def phases(
         (['2', '2/1'], ['2/1'])
     """
     with progress("branch") as bar:
-        found = study.phases(tube, volumes, depth=depth, modes=modes, unstable=unstable, processes=processes,
+        found = study.phases(tube, volumes, depth=depth, modes=modes, unstable=unstable, flows=flows, processes=processes,
                              progress=lambda name: bar.update())  # fmt: skip
     return Phases(**{field.name: getattr(found, field.name) for field in fields(found)})

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pearlbvp.commands.arguments import File, ModeNumbers, Number, Numbers
-from pearlbvp.commands.command import Command, of_this_command
+from pearlbvp.commands.command import Command, Option, of_this_command
 from pearlbvp.commands.output import check_distinct, check_outputs, outputs, radius_option, write, write_table
 from pearlbvp.errors import InputError
 from pearlbvp.messages import counted, say
@@ -45,6 +45,13 @@ MOST_NAMED = 6
     "--unstable", type=click.IntRange(min=0), default=2, show_default=True,
     help="Follow what crosses a branch where so many directions, or fewer, are unstable.",
 )  # fmt: skip
+@click.option(
+    "--flows",
+    cls=Option,
+    needs=("transitions",),
+    is_flag=True,
+    help="Let shapes flow where they lose their stability, to see what they fall to.",
+)
 @click.option("--processes", type=click.IntRange(min=1), help="How many.  [default: one a core]")
 @click.option(
     "--transitions", type=File(), metavar="FILE.csv",
@@ -59,6 +66,7 @@ def phases(
     depth: int,
     modes: tuple[tuple[int, int], ...],
     unstable: int,
+    flows: bool,
     processes: int | None,
     transitions: Path | None,
     out: Path | None,
@@ -71,7 +79,7 @@ def phases(
     lambda1, lambda2, force, n_unstable, mu_crit, critical, amplitude, r_min, r_max, c0, L, branches and depth (what the
     ranks rest on), message. Of the transitions: v, event (maxwell, continuous or jump: the least shape changes at equal
     energies, continuously, or because one begins or ends; stable, unstable: as v grows; end: of what could be followed),
-    branch, other, E, E_other, lambda2, lambda2_other, special, critical, c0, L, message. Unstable parts are dashed.
+    branch, other, E, E_other, lambda2, lambda2_other, special, critical, falls_to, c0, L, message. Unstable parts are dashed.
     """
     from pearlbvp.files import writable
 
@@ -80,7 +88,7 @@ def phases(
     if plot is not None and len(set(volumes)) < 2:
         raise InputError("--plot: one volume makes no picture; give several, like 0.9:1.1:0.01")
     check_distinct({"--out": out, "--plot": plot, "--transitions": transitions})
-    found = _found(c0, length, volumes, depth, modes, unstable, processes, units)
+    found = _found(c0, length, volumes, depth, modes, unstable, flows, processes, units)
 
     def draw() -> Figure:
         from pearlbvp.figures.phases import draw_phases
@@ -96,7 +104,7 @@ def phases(
 
 def _found(
     c0: float, length: float, volumes: list[float], depth: int, modes: tuple[tuple[int, int], ...],
-    unstable: int, processes: int | None, units: Units,
+    unstable: int, flows: bool, processes: int | None, units: Units,
 ) -> Phases:  # fmt: skip
     from pearlbvp.progress import progress
 
@@ -107,7 +115,7 @@ def _found(
             bar.set_description(name, refresh=False)
             bar.update()
 
-        return study(units.tube(c0, length), volumes, depth=depth, modes=list(modes) or None, unstable=unstable,
+        return study(units.tube(c0, length), volumes, depth=depth, modes=list(modes) or None, unstable=unstable, flows=flows,
                      processes=processes or 0, progress=follow)  # fmt: skip
 
 

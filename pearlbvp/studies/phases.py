@@ -110,6 +110,7 @@ def phases(
     depth: int = 1,
     modes: Iterable[WaveNumbers] | None = None,
     unstable: int = MOST_UNSTABLE,
+    flows: bool = False,
     processes: int = 1,
     progress: Callable[[str], None] = lambda name: None,
 ) -> Phases:
@@ -121,6 +122,7 @@ def phases(
         depth: 0 for branches from the straight tube, 1 for those that cross them, too, and so on.
         modes: follow every family of these; by default ``default_modes``.
         unstable: what crosses a branch is followed where so many directions, or fewer, are unstable.
+        flows: let shapes flow where they lose their stability, to see what they fall to.
         processes: how many to work in; 0 for one a core.
         progress: called with the name of each branch before it is followed.
 
@@ -150,12 +152,23 @@ def phases(
     parts = least_parts(stretches, wanted[0], wanted[-1], lambda what: said.update({what.partition(",")[0]: what}))
     table, solutions = _at_volumes(tube, wanted, stretches, unfinished)
     table = table.assign(c0=tube.c0, L=tube.length, branches=len(found.branches), depth=depth)
-    events = transitions(tube, parts, stretches, list(found.branches), wanted[0], wanted[-1])
+    falls = partial(_falls, everything, stretches) if flows else _no_falls
+    events = transitions(tube, parts, stretches, list(found.branches), (wanted[0], wanted[-1]), falls)
     curves = _curves(everything, stretches, wanted[0], wanted[-1])
     table = table.reindex(columns=COLUMNS).astype({"n_unstable": "Int64", "rank": "Int64"})
     return Phases(
         tube, table, events, solutions, ranges(parts), curves, found.branches, found.skipped, said, depth
     )  # fmt: skip
+
+
+def _falls(everything: Sequence[Piece], stretches: Sequence[Piece], piece: Piece, upper: bool) -> list[str]:
+    from pearlbvp.studies.falls import falls_to  # the flow's rooms, which nothing else here needs
+
+    return falls_to(piece, upper, [other for other in everything if not other.stable], stretches)
+
+
+def _no_falls(piece: Piece, upper: bool) -> list[str]:
+    return []
 
 
 def largest_volume(tube: Tube) -> float:
@@ -205,7 +218,7 @@ def _options(low: float, high: float) -> dict[str, BranchOptions]:
     """Where branches of each family end: at that end of the range to which they lead, or beyond the other."""
     options = {name: replace(branch_options({"v": low}), limit=WithinVolumes(low, high)) for name in ENDS}
     pearls = WithinVolumes(min(low, LOWEST_TURN), high)
-    return options | {"pearl": replace(branch_options({"v": high}), limit=pearls)}
+    return options | {"pearl": replace(branch_options({"v": high} if high > 1 else None), limit=pearls)}
 
 
 def _too_unstable(most: int, branch: Branch[Any], special: SpecialPoint) -> str:

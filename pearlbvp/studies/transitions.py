@@ -12,11 +12,12 @@ import pandas as pd
 
 from pearlbvp.continuation.branch import Status
 from pearlbvp.continuation.path import PathEnd
+from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.stretches import Piece, equal_energies
 
-COLUMNS = ["v", "event", "branch", "other", "E", "E_other", "lambda2", "lambda2_other", "special", "critical", "c0", "L",
-           "message"]  # fmt: skip
+COLUMNS = ["v", "event", "branch", "other", "E", "E_other", "lambda2", "lambda2_other", "special", "critical", "falls_to",
+           "c0", "L", "message"]  # fmt: skip
 
 EVENTS = ("maxwell", "continuous", "jump", "stable", "unstable", "end")
 """The least shape changes at equal energies, continuously, or because one begins or ends; stability is gained or lost as
@@ -91,7 +92,12 @@ def ranges(parts: Sequence[Part]) -> pd.DataFrame:
 
 
 def transitions(
-    tube: Tube, parts: Sequence[Part], stretches: Sequence[Piece], names: Sequence[str], low: float, high: float
+    tube: Tube,
+    parts: Sequence[Part],
+    stretches: Sequence[Piece],
+    names: Sequence[str],
+    ends: tuple[float, float],
+    falls: Callable[[Piece, bool], list[str]],
 ) -> pd.DataFrame:
     """A row an event, by volume, the columns ``COLUMNS``.
 
@@ -100,17 +106,22 @@ def transitions(
         parts: from ``least_parts``.
         stretches: the stable ones.
         names: of all branches.
-        low, high: ends of the range of volumes.
+        ends: of the range of volumes.
+        falls: names of the shapes that a stretch flows to at its lower or upper end.
     """
     rows = [_change(*pair) for pair in pairwise(parts)]
     for piece in stretches:
-        begins, ends = piece.ends
-        for number, event in ((begins, "stable"), (ends, "unstable")):
-            if low < piece.branch.points[number].value("v") < high and "stop" not in piece.branch.kinds(number):
-                rows.append(_of_stability(piece, number, event, stretches, names))
+        for upper, number, event in zip((False, True), piece.ends, ("stable", "unstable"), strict=True):
+            if ends[0] < piece.branch.points[number].value("v") < ends[1] and "stop" not in piece.branch.kinds(number):
+                row = _of_stability(piece, number, event, stretches, names)
+                try:
+                    row["falls_to"] = ", ".join(falls(piece, upper))
+                except (InputError, PathEnd) as error:
+                    row["message"] = "; ".join(filter(None, (row["message"], str(error.args[0]))))
+                rows.append(row)
     rows.sort(key=lambda row: (row["v"], row["event"]))
     table = pd.DataFrame(rows, columns=COLUMNS)
-    words = {name: table[name].fillna("") for name in ("other", "special", "critical", "message")}
+    words = {name: table[name].fillna("") for name in ("other", "special", "critical", "falls_to", "message")}
     return table.assign(c0=tube.c0, L=tube.length).assign(**words)
 
 

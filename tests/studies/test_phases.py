@@ -23,7 +23,7 @@ AUTO = pd.read_csv(Path(__file__).parents[1] / "data" / "auto07p_pearl_c0_0_L10_
 @pytest.fixture(scope="module")
 def three():
     """Three equal pearls, which jump to one large and two smaller ones."""
-    return phases(Tube(0.48, 22), [1.0, 1.005, 1.00615, 1.01], modes=[(3, 0)])
+    return phases(Tube(0.48, 22), [1.0, 1.005, 1.00615, 1.01], modes=[(3, 0)], flows=True)
 
 
 def integrated(piece, ends, turn=None):
@@ -58,6 +58,8 @@ def test_stability_changes_where_they_are_computed_otherwise(three):
     assert table.loc[("unstable", "3"), "v"] == pytest.approx(localized_pearls(0.48, 22 / 3, 22).v.iloc[0], abs=1e-9)
     assert table.loc[("unstable", "3"), "other"].split()[0] == "3/1"
     assert table.loc[("stable", "3/1"), "special"].startswith("fold:v")
+    assert table.loc[("unstable", "3"), "falls_to"] == "3/1"  # by the flow
+    assert table.loc[("stable", "3/1"), "falls_to"] == "3"  # as the volume falls
     order = [table.loc[key, "v"] for key in (("stable", "3/1"), ("maxwell", "3"), ("unstable", "3"))]
     assert order == sorted(order)
     assert list(three.ranges["branch"]) == ["3", "3/1"]
@@ -117,6 +119,17 @@ def test_rings_are_elastic_rings_and_end_where_waves_grow():
     limit = found.transitions[found.transitions["event"] == "stable"].iloc[0]
     assert limit["v"] == pytest.approx(neutral_rings(-1.0, 2, [2 * math.pi / 10]).iloc[0].v, abs=1e-8)
     assert list(found.ranges["branch"]) == ["", "ring 0:2"]
+
+
+def test_shapes_that_lose_their_axis_are_not_said_to_fall_along_it():
+    """Pearls of period 4.5 at ``c0 = 0.6`` are stable near ``v = 0.9453`` only: bent below, unequal above."""
+    found = phases(Tube(0.6, 9), [0.94, 0.95], modes=[(2, 0)], depth=1, flows=True)
+    table = found.transitions.set_index(["event", "branch"])
+    limits = [table.loc[(event, "2"), "v"] for event in ("stable", "unstable")]
+    assert limits[0] < 0.94531 < limits[1] < 0.94535
+    below, above = table.loc[("stable", "2")], table.loc[("unstable", "2")]
+    assert (below.falls_to, "not axisymmetric" in below.message) == ("", True)
+    assert above.falls_to in found.branches
 
 
 def test_modes_that_matter_are_those_of_least_energy_beside_the_straight_tube():
