@@ -128,5 +128,5 @@ def _tell(found: Phases, units: Units) -> None:
     for name, why in found.unfinished.items():
         say(f"{name} ends: {of_this_command(why)}")
     for low, high, name in found.ranges.itertuples(index=False):
-        say(f"v = {low:.8g} to {high:.8g}: the least is {name or 'none: no stable shape was found'}")
+        say(f"v = {low:.8g} to {high:.8g}: {f'the least is {name}' if name else 'no stable shape was found'}")
     say(f"the least of {counted(len(found.branches), 'branch', 'branches')} to depth {found.depth}")

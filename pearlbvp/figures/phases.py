@@ -32,7 +32,7 @@ LEFT, RIGHT = 0.11, 0.78
 MOST_NAMED = 16
 """Branches that have a line in the legend: the stable ones first."""
 
-NARROWEST = 0.06
+NARROWEST = 0.08
 """Share of the range that has room for its name, and for a picture of its shape."""
 
 
