@@ -15,14 +15,8 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation import (
-    Discretization,
-    PiecewisePolynomial,
-    equidistribute,
-    error_estimate,
-    gauss_scheme,
-    intervals_for,
-)
+from pearlbvp.collocation import Discretization, PiecewisePolynomial, gauss_scheme
+from pearlbvp.collocation.mesh import equidistribute, error_estimate, intervals_for
 from pearlbvp.collocation.polynomial import extremes
 from pearlbvp.continuation.problem import LiftError
 from pearlbvp.continuation.spectrum import Spectrum

@@ -158,7 +158,7 @@ def test_failed_rows_are_written_and_said(capsys, monkeypatch):
     from pearlbvp.studies import period
 
     good = {"c0": 0.48, "L": 15.0, "status": "found", "localized_status": "failed", "message": "why"}
-    monkeypatch.setattr(period, "scan", lambda cases, processes: iter([good]))
+    monkeypatch.setattr(period, "scan", lambda curvatures, lengths, v, processes: iter([[good]]))
     status, out, err = run(capsys, "period", "--c0", "0.48", "--lengths", "15")
     assert status == 1
     assert "why" in out
@@ -277,11 +277,11 @@ def test_rows_of_a_worker_that_is_killed_are_computed_all_the_same(capsys, monke
                     raise BrokenProcessPool
                 yield function(*arguments)
 
-    expected = run(capsys, "period", "--c0", "0.3,0.48", "--lengths", "15,16", "--processes", "1")
+    expected = run(capsys, "period", "--c0", "0.3,0.4,0.48", "--lengths", "15,16", "--processes", "1")
     monkeypatch.setattr(joblib, "Parallel", Killed)
-    status, out, err = run(capsys, "period", "--c0", "0.3,0.48", "--lengths", "15,16", "--processes", "2")
+    status, out, err = run(capsys, "period", "--c0", "0.3,0.4,0.48", "--lengths", "15,16", "--processes", "2")
     assert (status, out) == expected[:2]
-    assert err == "pearlbvp: a worker process was killed; the other 3 are done in one\n"
+    assert err == "pearlbvp: a worker process was killed; the other 2 are done in one\n"
 
 
 def test_help_has_examples():
