@@ -23,6 +23,9 @@ FARTHEST = 1e-3
 PUSH = 0.02
 """Size of the perturbation, in radii, to either side."""
 
+SADDLES = 3
+"""Flows, one after another, of which each begins at the saddle where the one before stopped."""
+
 ENERGY, OTHERS = 1e-8, 1e-5
 """Differences of ``E``, and of ``lambda2`` and ``r_max``, of the end of a flow and a shape of a branch that are one."""
 
@@ -48,14 +51,23 @@ def falls_to(piece: Piece, upper: bool, unstable: Sequence[Piece], stretches: Se
         return []
     if isinstance(start.problem, PearlProblem) and start.spectrum.critical.n:
         raise InputError(f"flow: the perturbation {start.spectrum.critical} is not axisymmetric; let it flow on a mesh")
-    begun = solution_start(start)
     names: dict[str, None] = {}
     for push in (PUSH, -PUSH):
-        end = end_point(begun.flow(begun.perturbed("critical", push, keep=True)))
-        name = _named(end, [piece, *stretches])
+        name = _named(_at_rest(start, push), [piece, *stretches])
         if name != piece.name:  # beside a fold one side leads back
             names[name] = None
     return list(names)
+
+
+def _at_rest(start: Solution[Any], push: float) -> Solution[Any]:
+    """Where a shape that is pushed comes to rest: a flow that stops at a saddle, where symmetry leads it, is pushed on."""
+    end = start
+    for _ in range(SADDLES):
+        begun = solution_start(end)
+        end = end_point(begun.flow(begun.perturbed("critical", push, keep=True)))
+        if end.spectrum.n_unstable == 0:
+            break
+    return end
 
 
 def _start(piece: Piece, upper: bool, unstable: Sequence[Piece]) -> Solution[Any] | None:
