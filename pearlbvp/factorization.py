@@ -43,7 +43,7 @@ def factorized(matrix: sparse.csc_matrix) -> Factors:
     Raises:
         numpy.linalg.LinAlgError: it is singular, or not finite.
 
-    Example:
+    Examples:
         >>> from scipy import sparse
         >>> factors = factorized(sparse.diags([-2.0, 1.0, 4.0], format="csc"))
         >>> factors.negative, factors.solve(np.ones(3)).tolist()

@@ -52,7 +52,7 @@ def branch(
     Raises:
         InputError: an argument that cannot be used.
 
-    Example:
+    Examples:
         >>> import pearlbvp as pb
         >>> pearls = pb.branch(pb.Tube(c0=0.48, L=15), "pearl", (2, 0), until={"v": 1.01})
         >>> localized = pearls.switch(1, until={"v": 1.02})

@@ -15,7 +15,7 @@ S = TypeVar("S")
 class Last(Generic[S]):
     """A function of a shape that remembers its last value.
 
-    Example:
+    Examples:
         >>> import numpy as np
         >>> sums = Last(np.sum)
         >>> float(sums(np.ones(3))), float(sums(np.ones(3)))  # the second without a sum

@@ -56,7 +56,7 @@ def phases(
     Raises:
         InputError: an argument that cannot be used.
 
-    Example:
+    Examples:
         >>> import pearlbvp as pb
         >>> found = pb.phases(pb.Tube(0.48, 15), [1.005, 1.01], modes=[(2, 0)])
         >>> list(found.ranges.branch), list(found.shapes(1.01))

@@ -27,7 +27,7 @@ def root(
     Raises:
         NoRoot: there is none to be found.
 
-    Example:
+    Examples:
         >>> root(lambda x: x * x - 2, 0.0, 2.0, 1e-15)
         1.4142135623730951
     """

@@ -73,7 +73,7 @@ class Units(Conversion):
         Raises:
             InputError: one of them cannot be used.
 
-        Example:
+        Examples:
             >>> units = Units.of("50nm", "20kT")
             >>> round(units.to_user("lambda1", 0.75), 5), units.unit("lambda1")  # mN/m, where long pearls appear
             (0.05136, 'mN/m')
@@ -108,7 +108,8 @@ class Units(Conversion):
 
         Args:
             name: of the quantity; one that means nothing stays as it is, for the study to refuse.
-            text, argument: ``500`` or ``"500nm"``, and the argument's name, for the message.
+            text: ``500`` or ``"500nm"``.
+            argument: the argument's name, for the message.
 
         Raises:
             InputError: it is neither, not finite, of another dimension, or the radius or the rigidity is missing that it needs.
@@ -177,7 +178,7 @@ class Units(Conversion):
         Raises:
             InputError: one cannot be used.
 
-        Example:
+        Examples:
             >>> Units.of("50nm", "20kT").radii(L="2um", v=1.1)
             {'L': 40.0, 'v': 1.1}
         """

@@ -19,7 +19,7 @@ def in_fluids(units: Units, viscosity: str | float | None = None) -> Units:
     Raises:
         InputError: it is no viscosity, or the radius or the rigidity is missing that it needs.
 
-    Example:
+    Examples:
         >>> units = in_fluids(Units.of("0.7um", "20kT"), "1mPa.s")
         >>> round(units.to_user("rate", 0.01), 3), units.unit("rate")
         (4.992, '1/s')

@@ -64,7 +64,7 @@ def localized(c0: ArrayLike, period: ArrayLike, pearls: ArrayLike) -> LocalizedP
     Raises:
         InputError: the atlas does not have one of them (``holds``); the message says what it has.
 
-    Example:
+    Examples:
         >>> import pearlbvp as pb
         >>> round(float(pb.atlas.localized(0.48, 7.5, 2).v), 6)
         1.008111

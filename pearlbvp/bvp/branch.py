@@ -202,7 +202,8 @@ def continue_bvp(
             back). 0 goes on along the branch that the solution is of, or else towards the value in ``until``, or else up.
         across: the solution is a branch point of a branch in ``vary``: follow the branch that crosses it there. On its half
             1 the first state grows where it first changes by more than half as much as anywhere, on -1 it falls.
-        step, max_step: first and largest step, in the root mean square of all states and free parameters together.
+        step: the first step, in the root mean square of all states and free parameters together.
+        max_step: the largest, likewise.
         max_points: stop after so many.
 
     Returns:
@@ -211,7 +212,8 @@ def continue_bvp(
     Raises:
         InputError: an argument that cannot be used.
 
-    Example: ``x^2 = lam - 1`` as a boundary-value problem, with its fold.
+    Examples:
+        ``x^2 = lam - 1`` as a boundary-value problem, with its fold.
 
         >>> import numpy as np
         >>> from pearlbvp.bvp import solve_bvp

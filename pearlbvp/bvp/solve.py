@@ -137,7 +137,8 @@ def solve_bvp(
 
     Source: U. Ascher, R. Mattheij, R. Russell, Numerical Solution of Boundary Value Problems for ODEs (SIAM 1995), ch. 5, 9.
 
-    Example: Bratu's problem, ``y'' + lam e^y = 0`` with ``y(0) = y(1) = 0``.
+    Examples:
+        Bratu's problem, ``y'' + lam e^y = 0`` with ``y(0) = y(1) = 0``.
 
         >>> import numpy as np
         >>> solution = solve_bvp(

@@ -21,7 +21,7 @@ class Case:
 
     Cases of one question are ordered as its tables are: by their parameters, words behind numbers.
 
-    Example:
+    Examples:
         >>> Case("dispersion", (0.48, 10.0)).canonical({}, "1.0")
         '["dispersion", [0.48, 10.0], {}, "1.0"]'
     """
@@ -62,7 +62,7 @@ class Outcome(NamedTuple):
 def coarse_first(count: int) -> Iterable[int]:
     """The numbers from 0 to ``count - 1`` in an order whose beginnings are coarse maps: both ends, the middle, the quarters.
 
-    Example:
+    Examples:
         >>> list(coarse_first(9))
         [0, 8, 4, 2, 6, 1, 3, 5, 7]
     """

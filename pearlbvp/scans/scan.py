@@ -128,7 +128,7 @@ def scan(
     Raises:
         InputError: an argument that cannot be used.
 
-    Example:
+    Examples:
         >>> import pearlbvp as pb
         >>> table = pb.scan("localized", "scan.sqlite", c0="0.3,0.48", period=7.5, L="15:60:7.5", workers=1)  # doctest: +SKIP
     """

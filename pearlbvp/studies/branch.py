@@ -201,7 +201,7 @@ def family_branch(
     Raises:
         InputError: an argument that cannot be used.
 
-    Example:
+    Examples:
         >>> from pearlbvp.helfrich import Tube
         >>> pearls = family_branch(Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 1.01}))
         >>> pearls.complete, pearls.find("bp")[0].block.n

@@ -58,7 +58,7 @@ def equilibria(
     Raises:
         InputError: an argument, or a number in a row, that cannot be used.
 
-    Example:
+    Examples:
         >>> import pearlbvp as pb
         >>> table = pb.equilibria("data/axon_pearls.csv", convention="mem3dg")
     """

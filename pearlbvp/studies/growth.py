@@ -61,7 +61,7 @@ def growth(
     Raises:
         InputError: an argument that cannot be used.
 
-    Example:
+    Examples:
         >>> import pearlbvp as pb
         >>> table = pb.growth(c0=0, tension=1.5)
         >>> table[table.role == "fastest"][["k", "rate", "lambda1_pearl"]].round(4).to_dict("records")

@@ -132,7 +132,7 @@ def phases(
     Raises:
         InputError: an argument that cannot be used.
 
-    Example:
+    Examples:
         >>> found = phases(Tube(0.48, 10), [1.1, 1.2], depth=0)
         >>> list(found.shapes(1.2)), found.transitions.empty
         (['1'], True)

@@ -352,12 +352,12 @@ def family_named(name: str) -> Family:
 
 
 def exchange_lengths(c0: float, m: int = 1, n: int = 1, shortest: float = 2.0, longest: float = 200.0) -> list[float]:
-    """Lengths of the tube at which coils and buckles of a mode exchange stability (``b1 = b2``), increasing.
+    """Lengths, ``shortest`` to ``longest``, at which coils and buckles of a mode exchange stability (``b1 = b2``), increasing.
 
     Args:
         c0: spontaneous curvature.
-        m, n: the mode, both at least 1.
-        shortest, longest: between which it is looked for.
+        m: waves along the tube, at least 1.
+        n: waves around it, at least 1.
 
     Raises:
         InputError: ``m`` or ``n`` is 0.

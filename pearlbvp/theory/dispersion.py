@@ -205,7 +205,7 @@ def stable_wave_numbers(c0: ArrayLike, pearls: ArrayLike) -> tuple[NDArray[np.fl
     ``k`` and ``k'`` are neutral together where ``(k^2 - 1)(k'^2 - 1) = 2 (1 - 2 c0)``; the others that fit have
     ``k' = k (1 +- 1/pearls)`` or lie beyond. For 1/4 < c0 < 1/2. Broadcasts.
 
-    Example:
+    Examples:
         >>> k = stable_wave_numbers(0.48, 2)[1]
         >>> round(float(critical_lambda2(k, 0, 0.48) - critical_lambda2(k / 2, 0, 0.48)), 12)
         0.0

@@ -42,7 +42,7 @@ def straight_potential(c0: float, solute: float, osmolarity: float) -> float:
 def onset_sizes(c0: float, period: float) -> Array:
     """Radii of the straight tube between which waves of a period grow, smaller first: two, or none where they never grow.
 
-    Roots of the growth rate on the similar tube of radius 1 (paper, eq. (eigs))::
+    Roots of the growth rate on the similar tube of radius 1 (paper, eq. (eigs)):
 
         mu = -(k^2 s^2 - 1)^2/2 + (1 - s^2)(k^2 s^2 - 1)/4 - (1 - 2 c0 s) k^2 s^2
     """

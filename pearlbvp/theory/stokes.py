@@ -61,7 +61,7 @@ def stokes_rate(k: ArrayLike, n: int, lambda2: float, c0: float, fluids: Fluids 
         c0: spontaneous curvature.
         fluids: their viscosities.
 
-    Example:
+    Examples:
         >>> from pearlbvp.theory.stokes import stokes_rate
         >>> float(stokes_rate(0.47, 0, lambda2=0.25 - 1.5, c0=0.0).round(6))
         0.015545
