@@ -134,6 +134,15 @@ def test_every_page_is_in_the_contents():
     assert {page.resolve() for page in PAGES} <= contents | {ROOT / "docs/index.md"}
 
 
+def test_the_site_leads_to_every_page_and_to_the_docstrings_of_the_theory():
+    """The build refuses what is named and not there; this is what is there and not named."""
+    named_files = set(re.findall(r"[\w./]+\.md", (ROOT / "mkdocs.yml").read_text()))
+    docs = ROOT / "docs"
+    assert {str(page.relative_to(docs)) for page in docs.rglob("*.md")} <= named_files
+    theory = {f"reference/pearlbvp.theory.{path.stem}.md" for path in (ROOT / "pearlbvp/theory").glob("[!_]*.py")}
+    assert theory <= named_files
+
+
 def test_the_code_refers_to_pages_that_are_here():
     for path in (ROOT / "pearlbvp").rglob("*.py"):
         text = path.read_text()

@@ -1,0 +1,74 @@
+"""What the site needs beyond MkDocs: pages from outside of this folder, pages of docstrings, formulas as MathML.
+
+MkDocs calls these functions (``hooks`` in ``mkdocs.yml``). The pages in this folder are written for readers of the repository,
+too, so their links and formulas are translated here, and nothing is loaded from elsewhere when the site is read.
+"""
+
+import html
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from math_core import LatexError, LatexToMathML
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.exceptions import PluginError
+from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
+
+ROOT = Path(__file__).parents[1]
+OUTSIDE = {"README.md": "overview.md", "CHANGELOG.md": "changes.md"}
+REFERENCE = "reference/"
+CODE = re.compile(r"<(pre|code)\b.*?</\1>", re.DOTALL)
+ARITHMATEX = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the README, the changes, and a page of docstrings for every ``reference/MODULE.md`` of the navigation."""
+    for name, uri in OUTSIDE.items():
+        files.append(File.generated(config, uri, content=(ROOT / name).read_text()))
+    for uri in _pages(config.nav):
+        if uri.startswith(REFERENCE):
+            module = uri.removeprefix(REFERENCE).removesuffix(".md")
+            files.append(File.generated(config, uri, content=f"# `{module}`\n\n::: {module}\n"))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
+    """Links between the repository's folders, as links between the site's pages."""
+    if page.file.src_uri in OUTSIDE.values():
+        return markdown.replace("](docs/", "](")
+    for name, uri in OUTSIDE.items():
+        markdown = re.sub(rf"\]\(\.\./{re.escape(name)}(?=[#)])", f"]({uri}", markdown)
+    return markdown
+
+
+def on_page_content(content: str, page: Page, **_: Any) -> str:
+    """Formulas as MathML, which browsers draw themselves.
+
+    Raises:
+        PluginError: a formula that is no LaTeX, or a dollar sign that is left over; the build ends there.
+    """
+    converter = LatexToMathML()
+
+    def converted(formula: re.Match[str]) -> str:
+        tex = html.unescape(formula[2]).strip()
+        try:
+            mathml = converter.convert_with_local_state(tex, displaystyle=formula[1] == "div")
+        except LatexError as error:
+            raise PluginError(f"{page.file.src_uri}: {tex}: {error}") from error
+        return f'<div class="formula">{mathml}</div>' if formula[1] == "div" else mathml
+
+    content = ARITHMATEX.sub(converted, content)
+    if "$" in CODE.sub("", content):
+        raise PluginError(f"{page.file.src_uri}: a dollar sign that is neither code nor a formula")
+    return content
+
+
+def _pages(nav: Any) -> Iterator[str]:
+    """The files that a navigation names, at any depth."""
+    if isinstance(nav, str):
+        yield nav
+    elif nav:
+        for entry in nav.values() if isinstance(nav, dict) else nav:
+            yield from _pages(entry)
