@@ -208,6 +208,10 @@ WITH_NUMBER = {"osmotic": "solute", "ade": "ade"}
 CHOICES = "area or tension, volume, pressure or osmotic=N, length or force, ade=ALPHA"
 
 
+STIFFEST = 1e12
+"""Largest number of ``osmotic`` and ``ade``: what is stiffer drowns the membrane's own stiffness in its rounding."""
+
+
 def known_held(what: str | Held) -> Held:
     """What is held, as a text says: ``area,volume``, ``tension,osmotic=2.5``. What is not named stays: area, volume, length.
 
@@ -235,6 +239,15 @@ def known_held(what: str | Held) -> Held:
             if not equals:
                 raise InputError(f"fix: {name} needs a number; give one like {name}=1")
             values[WITH_NUMBER[name]] = finite(f"fix {name}", number)  # type: ignore[arg-type]
+            if abs(values[WITH_NUMBER[name]]) > STIFFEST:
+                stays = (
+                    "the volume stays as it is, which is the default: leave it out"
+                    if name == "osmotic"
+                    else "give less"
+                )
+                raise InputError(
+                    f"fix: {name}={number.strip()} is beyond {STIFFEST:g}, where rounding would decide; {stays}"
+                )
         elif equals:
             column = {"tension": "lambda1", "pressure": "lambda2", "volume": "v", "length": "L"}.get(name, name)
             raise InputError(

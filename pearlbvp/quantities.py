@@ -105,14 +105,18 @@ def read(argument: str, text: str, temperature: float = 310.0) -> Amount:
     return Amount(text, value, Dimension(*(int(power) for power in exponents)), magnitude, unit)
 
 
+COLDEST, HOTTEST = 200.0, 500.0
+"""Temperatures in K between which there are membranes in water, with room to either side."""
+
+
 def kelvins(argument: str, text: str) -> float:
     """A temperature in kelvin, from ``310K`` or ``37degC``.
 
     Raises:
-        InputError: it is no temperature, or not above 0 K and below the membrane's end, 1000 K.
+        InputError: it is no temperature, or one at which there is no membrane in water, as where degrees were meant.
     """
     value, powers, *_ = _parsed(argument, text, 1.0) if has_unit(text) else (0.0, {})
-    if powers != {"[temperature]": 1} or not 0 < value < 1000:
+    if powers != {"[temperature]": 1} or not COLDEST < value < HOTTEST:
         raise InputError(f"{argument}: {text} is no temperature of a membrane; give one like 310K or 37degC")
     return value
 

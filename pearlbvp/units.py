@@ -148,16 +148,33 @@ class Units(Conversion):
         """As ``from_user``, of a name that a user wrote: one that means nothing stays, for the study to refuse."""
         return self.from_user(name, value) if name in QUANTITIES else value
 
+    def plain(self, argument: str, name: str) -> str:
+        """The package's name of a quantity that a user wrote as columns have it: the spontaneous curvature may be ``C0``.
+
+        Raises:
+            InputError: it is written as the other convention has it, half or twice as large.
+        """
+        name = name.strip()
+        if name not in ("c0", "C0"):
+            return name
+        if name != self.symbol("c0"):
+            own = self.symbol("c0")
+            raise InputError(
+                f"{argument}: the spontaneous curvature is {own} here, as in the tables, and {name} is twice or half of it; "
+                f"give {own}=VALUE"
+            )
+        return "c0"
+
     def place_from_user(self, text: str) -> str:
         """A point's name given in the user's unit; only that of ``NAME=VALUE`` changes.
 
         Raises:
-            InputError: the value is no number.
+            InputError: the value is no number, or the spontaneous curvature's name is that of the other convention.
         """
         name, equals, value = text.partition("=")
         if not equals:
             return text
-        name = "c0" if name.strip() == "C0" else name
+        name = self.plain("point", name)
         return f"{name}={self.named_from_user(name, self.number(name, value, 'point'))!r}"
 
     def tube(self, c0: float | str, length: float | str) -> Tube:

@@ -293,6 +293,8 @@ def test_what_area_differences_are_set_to():
         ("osmotic=-1", "osmotic=-1 is no solute; give an amount above 0"),
         ("osmotic=many", "osmotic: 'many' is not a number"),
         ("ade=0", "ade=0 is no modulus"),
+        ("osmotic=1e20", "osmotic=1e20 is beyond 1e.12, where rounding would decide; the volume stays"),
+        ("ade=1e30", "ade=1e30 is beyond 1e.12"),
         ("tension,ade=1", "ade goes by the area, which tension does not hold"),
         ("tension=0.3", r"stop there \(--until lambda1=0.3\)"),
         ("force=2", r"stop there \(--until force=2\)"),

@@ -150,7 +150,9 @@ class Until(Quantity):
 
     def in_units(self, several: Sequence[tuple[str, float | Written]], units: Units, param: click.Parameter) -> Any:
         """The same with values in the user's unit."""
-        return tuple((name, units.number(name, value, _option(param))) for name, value in several)
+        option = _option(param)
+        named = [(units.plain(option, name), value) for name, value in several]
+        return tuple((name, units.number(name, value, option)) for name, value in named)
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -160,8 +162,7 @@ class Until(Quantity):
 
         name, equals, number = str(value).partition("=")
         if equals:
-            name = "c0" if name.strip() == "C0" else name.strip()  # as columns call it where it is that of (2H - C0)^2
-            return name, Written(number) if has_unit(number) else finite("--until", number)  # type: ignore[arg-type]
+            return name.strip(), Written(number) if has_unit(number) else finite("--until", number)  # type: ignore[arg-type]
         kind, _, last = name.strip().rpartition(":")
         kind, count = (kind, int(last)) if kind and last.isdigit() else (name.strip(), 1)
         if kind.partition(":")[0] not in ("bp", "cmc", "fold"):

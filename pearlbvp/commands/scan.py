@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from pearlbvp.commands.arguments import File, Number, Numbers
 from pearlbvp.commands.command import Command, as_typed
@@ -107,6 +108,12 @@ def look(
     to those that are there. Without a question it looks at a store, also while a scan is at work on it.
     """
     if context.invoked_subcommand is not None:
+        for param in context.command.params:
+            if context.get_parameter_source(str(param.name)) is ParameterSource.COMMANDLINE:
+                name = context.invoked_subcommand
+                raise InputError(
+                    f"{param.opts[0]}: it stands before {name}, which would not see it; give it behind {name}"
+                )
         return None
     if store is None:
         raise InputError("--store: give the file of a scan, or a question to ask; see --help")
@@ -222,6 +229,11 @@ def _written(
     return SOME_FAILED if failed else DONE
 
 
+def _told(value: float, units: Units) -> float:
+    """A number in radii, without the rounding of units: a tube in nm is the same case as in um."""
+    return float(f"{value:.13g}") if units.given else value
+
+
 def _ask(question: Question) -> click.Command:
     """The command of a question."""
 
@@ -241,7 +253,7 @@ def _ask(question: Question) -> click.Command:
         checked(export, plot)
         for name in parameters:
             if name in ("c0", "L", "period") and parameters[name] != "critical":
-                parameters[name] = [units.from_user(name, value) for value in parameters[name]]
+                parameters[name] = [_told(units.from_user(name, value), units) for value in parameters[name]]
         if "family" in parameters:
             parameters["mode"] = parameters["mode"].replace(",", ":")
         cases = cases_of(question, parameters)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from pearlbvp.errors import InputError
@@ -152,10 +153,22 @@ def _waves(mode: str) -> tuple[int, int]:
 
 
 def _check_branch(case: Case) -> None:
+    _check_mode(str(case.parameters[2]), str(case.parameters[3]))
+
+
+@cache
+def _check_mode(name: str, mode: str) -> None:
+    """Refuse a mode that a family has on no tube, by one on which such waves are of middle length."""
+    from pearlbvp.held import AREA_AND_VOLUME
+    from pearlbvp.helfrich import Tube
     from pearlbvp.studies.families import family
 
-    family(str(case.parameters[2]))
-    _waves(str(case.parameters[3]))
+    found, waves = family(name), _waves(mode)
+    try:
+        found.start(Tube(0.0, 10.0 * max(waves[0], 1)), waves, AREA_AND_VOLUME, None)
+    except InputError as error:
+        if error.argument == "mode":
+            raise
 
 
 def _branch(cases: Sequence[Case]) -> list[Sequence[Row]]:

@@ -15,7 +15,7 @@ import pandas as pd
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
-from pearlbvp.quantities import CURVATURE, ENERGY, LENGTH, NUMBER, PRESSURE, TENSION, Dimension, read
+from pearlbvp.quantities import COLDEST, CURVATURE, ENERGY, HOTTEST, LENGTH, NUMBER, PRESSURE, TENSION, Dimension, read
 from pearlbvp.scale import BODY, CONVENTIONS, Convention
 from pearlbvp.studies.osmotic import OsmoticTube
 from pearlbvp.tables import name_of, read_table
@@ -27,6 +27,9 @@ KNOWN: Mapping[str, tuple[Dimension, str]] = {
 }  # fmt: skip
 """Quantities of a case and a unit of each. Concentrations are pressures, by the ``kT`` of each particle; the
 temperature is first, as others take it."""
+
+AGREE = 1e-3
+"""Relative difference of a radius that is given, with fewer digits perhaps, and the one that ``c0`` means."""
 
 USUAL = {"temperature": BODY, "dilution": 1.0}
 NEEDED = ("kappa", "osmolarity", "solute", "length", "temperature", "dilution")
@@ -63,6 +66,10 @@ class Case:
         for name in NEEDED:
             if not 0 < row[name] < math.inf:
                 raise InputError(f"{name}: it is missing, or no number above 0; give one")
+        if not COLDEST < row["temperature"] < HOTTEST:
+            raise InputError(
+                f"temperature: no membrane is in water at {row['temperature']:g} K; give it in K, like 310"
+            )
         if not math.isfinite(row["tension"]):
             raise InputError("tension: it is missing; give a number")
         rigidity, c0, given = row["kappa"] * CONVENTIONS[convention], row["c0"], row["radius"]
@@ -80,6 +87,8 @@ class Case:
         elif c0**2 + ratio <= 0:
             raise InputError("tension: no straight tube is in equilibrium without a pressure; give more, or another c0")
         unit = 1 / (2 * math.sqrt(c0**2 + ratio))
+        if given > 0 and abs(given / unit - 1) > AGREE:
+            raise InputError(f"radius: by c0 and the tension it is {unit * 1e9:.6g} nm; give one of the two")
         reference = (given if given > 0 else unit) / unit
         pressure = unit**3 / rigidity / row["dilution"]
         tube = OsmoticTube(

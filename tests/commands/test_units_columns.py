@@ -35,7 +35,7 @@ PHYSICAL = {
     "M0": R, "osmolarity": 2 * KAPPA / R**3, "area": R**2, "volume": R**3, "force": 2 * KAPPA / R, "torque": 2 * KAPPA,
 }  # fmt: skip
 NM = ["--radius", "50nm", "--kappa", "20kT"]
-UM = ["--radius", "0.05um", "--kappa", "60kT", "--temperature", f"{310 / 3!r}K"]
+UM = ["--radius", "0.05um", "--kappa", "25kT", "--temperature", "248K"]
 
 
 def heading(column):

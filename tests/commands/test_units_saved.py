@@ -116,3 +116,11 @@ def test_without_units_nothing_is_saved_of_them(capsys, tmp_path):
     assert group_of("FILE", tmp_path / "b.h5", "units") == {}
     status, out, _ = run(capsys, "show", tmp_path / "b.h5")
     assert (status, out.splitlines()[0].split(",")[:4]) == (0, ["point", "special", "lambda1", "lambda2"])
+
+
+@pytest.mark.parametrize(("convention", "name", "own"), [("physicists", "c0", "C0"), ("mem3dg", "C0", "c0")])
+def test_the_other_convention_s_curvature_is_not_taken_for_one_s_own(capsys, saved, tmp_path, convention, name, own):
+    units = ["--radius", "50nm", "--kappa", "20kT", "--convention", convention]
+    status, out, err = run(capsys, "vary", saved, "c0", "--until", f"{name}=1/(51nm)", *units)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert f"--until: the spontaneous curvature is {own} here" in err

@@ -36,6 +36,18 @@ def test_lengths_are_in_the_user_s_unit(capsys, tmp_path, store):
     assert found[1]["v"].tolist() == found[0]["v"].tolist()
 
 
+def test_a_tube_in_other_units_is_the_same_case(capsys, tmp_path):
+    """Also where units leave other last digits: 1/(52 nm) of 50 nm, 19.230769 1/um, mem3dg's half of it."""
+    store = tmp_path / "s.sqlite"
+    for words in (
+        ["--radius", "50nm", "--c0", "1/(52nm)", "--lengths", "0.75um"],
+        ["--radius", "0.05um", "--c0", f"{1e3 / 52!r}/um", "--lengths", "750nm"],
+        ["--radius", "50nm", "--convention", "mem3dg", "--c0", f"{1 / 104!r}/nm", "--lengths", "750"],
+    ):
+        assert run(capsys, "scan", "dispersion", *words, "--store", store, *ONE)[0] == 0
+    assert run(capsys, "scan", "--store", store)[1] == "dispersion: 1 done\n"
+
+
 def test_cases_that_fail_are_said_and_done_again(capsys, tmp_path):
     """A millisecond is too short for a continuation; without the limit it is found."""
     store = tmp_path / "s.sqlite"
@@ -61,6 +73,8 @@ def test_cases_that_fail_are_said_and_done_again(capsys, tmp_path):
         (["dispersion", "--c0", "0", "--lengths", "10", "--store", "no/s"], "/no does not exist; make it first"),
         (["dispersion", "--c0", "0", "--lengths", "10", "--store", "s", "--workers", "2", "--scheduler", "tcp://x:1"], "--workers: "),
         (["branch", "blob", "--mode", "1,1", "--c0", "0", "--lengths", "10", "--volumes", "0.9", "--store", "s"], "family: "),
+        (["--radius", "50nm", "dispersion", "--c0", "0", "--lengths", "10", "--store", "s"], "--radius: it stands before dispersion"),
+        (["branch", "pearl", "--mode", "1,1", "--c0", "0", "--lengths", "10", "--volumes", "1.1", "--store", "s"], "--mode: pearls"),
         (["branch", "coil", "--mode", "x", "--c0", "0", "--lengths", "10", "--volumes", "0.9", "--store", "s"], "--mode: "),
     ],
 )  # fmt: skip

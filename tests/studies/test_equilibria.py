@@ -167,6 +167,8 @@ CASE = {"tension[mN/m]": 0.01, "kappa[kT]": 50.0, "osmolarity[mM]": 400.0, "solu
             "the column temperature[degC] has no unit of its quantity; write it like temperature[K]",
         ),
         ({"radius[nm]": math.nan}, "row 1, radius: it is missing, and so is c0"),
+        ({"temperature[K]": 37.0}, "row 1, temperature: no membrane is in water at 37 K"),
+        ({"C0[1/nm]": 0.01}, "row 1, radius: by c0 and the tension it is "),
         ({"spacing[nm]": 3000.0}, "row 1, spacing: it is longer than the tube"),
         ({"length[nm]": 1e9}, "row 1, length: 2e+07 radii are beyond 500"),
         ({"c0[1/nm]": 0.0, "tension[mN/m]": -0.01}, "row 1, tension: no straight tube is in equilibrium"),
@@ -185,10 +187,10 @@ def test_a_missing_column_is_named_with_its_units():
 
 
 def test_kt_and_concentrations_are_those_of_the_row_s_temperature():
-    # At 620 K each particle pushes twice as hard, and kT is twice as large: half the concentrations and kT, at the same tension.
+    # At 387.5 K each particle pushes 1.25 times as hard, and kT is as much larger: less of both, at the same tension.
     table = axons((0.01, 400, 100)).astype(float)
     names = ["osmolarity[mM]", "solute[mM]", "kappa[kT]"]
-    hot = table.assign(**{name: table[name] / 2 for name in names}, **{"temperature[K]": 620.0})
+    hot = table.assign(**{name: table[name] / 1.25 for name in names}, **{"temperature[K]": 387.5})
     row, hot_row = (next(cases_of(one, "mem3dg")) for one in (table, hot))
     for name in ("unit", "rigidity", "period"):
         assert getattr(hot_row, name) == pytest.approx(getattr(row, name), rel=1e-13)
