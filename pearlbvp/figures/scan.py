@@ -27,7 +27,7 @@ def draw_scan(table: pd.DataFrame, parameters: Sequence[str], drawn: str, units:
         units: of the table.
     """
     figure, axes = new_figure()
-    varying = [name for name in parameters if name in table and table[name].nunique() > 1] or [parameters[0]]
+    varying = _independent(table, parameters) or [parameters[0]]
     numbers = [name for name in varying if pd.api.types.is_numeric_dtype(table[name])] or [parameters[0]]
     along = max(numbers, key=lambda name: len(set(table[name])))
     others = [name for name in varying if name != along]
@@ -38,12 +38,24 @@ def draw_scan(table: pd.DataFrame, parameters: Sequence[str], drawn: str, units:
         named = ", ".join(f"{name} = {_short(value)}" for name, value in zip(others, values, strict=True))
         shown = rows.dropna(subset=[drawn]).sort_values(along)
         label = named if i % every == 0 and named else None
-        axes.plot(shown[along], shown[drawn].astype(float), ".-", color=colour, markersize=3, linewidth=1, label=label)
+        several = shown[along].duplicated().any()  # of one tube, as its modes are, which no line joins
+        axes.plot(shown[along], shown[drawn].astype(float), "." if several else ".-", color=colour, markersize=3, linewidth=1,
+                  label=label)  # fmt: skip
     dress(axes, *(units.axis_label(name, AXES.get(name, name)) for name in (along, drawn)))
     note_unit(figure, units)
     if others and len(table):
         add_legend(axes, fontsize="small")
     return figure
+
+
+def _independent(table: pd.DataFrame, parameters: Sequence[str]) -> list[str]:
+    """Parameters that vary, without those that follow from the others, as the critical period does from ``c0`` and ``L``."""
+    varying = [name for name in parameters if name in table and table[name].nunique() > 1]
+    for name in sorted(varying, key=lambda name: -table[name].nunique()):
+        others = [other for other in varying if other != name]
+        if len(varying) > 2 and table.groupby(others).ngroups == table.groupby(varying).ngroups:
+            varying = others
+    return varying
 
 
 def _short(value: object) -> str:

@@ -38,7 +38,7 @@ LARGEST_C0 = 3.0
 """Beyond, the tension is below -8.75."""
 
 SAME = 1e-7
-"""Relative difference of volumes at which two shapes of a period are one."""
+"""Relative difference of volumes at which two shapes of a period are one, and of periods."""
 
 FLAT = 1e-4
 """Radius of the belly minus that of the neck below which a tube is straight: pearls are that only where they leave it."""
@@ -145,15 +145,22 @@ def pearls_of_periods(tube: OsmoticTube, periods: Sequence[float]) -> dict[float
     They are those of the first period on its branch from the straight tube; those that these become as their period varies, if
     they are stable to a change of all alike, which they are up to a fold; and in the same way of each period not found so far.
     """
-    found: dict[float, list[Pearl]] = {period: [] for period in periods}
-    for period in periods:
+    several = [period for i, period in enumerate(periods) if not _is_among(period, periods[:i])]
+    found: dict[float, list[Pearl]] = {period: [] for period in several}
+    for period in several:
         if period == periods[0] or not found[period]:
             for pearl in pearls_of_period(tube, period):
                 judged = _add(found, tube, pearl)
                 if judged is not None and judged.spectrum.rates[judged.problem.trivial_block][0] < 0:
                     for other in at_periods(tube, pearl, periods):
                         _add(found, tube, other)
-    return {period: sorted(pearls, key=_volume) for period, pearls in found.items()}
+    in_order = {period: sorted(pearls, key=_volume) for period, pearls in found.items()}
+    return {period: in_order[min(several, key=lambda one: abs(one - period))] for period in periods}
+
+
+def _is_among(period: float, others: Sequence[float]) -> bool:
+    """Whether a period is one of others, but for the rounding of units and divisions."""
+    return any(abs(period - other) < SAME * other for other in others)
 
 
 def _volume(pearl: Pearl) -> float:

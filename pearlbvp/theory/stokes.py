@@ -84,7 +84,14 @@ def fastest_waves(lambda2: float, c0: float, fluids: Fluids = WATER) -> dict[int
             best = int(stokes_rate(k, n, lambda2, c0, fluids).argmax())
             fastest[n] = float(k[best])
             k = np.linspace(k[max(best - 1, 0)], k[min(best + 1, k.size - 1)], 101)
+        at_end, most = stokes_rate(np.array([low, fastest[n]]), n, lambda2, c0, fluids)
+        if at_end >= most * (1 - ROUNDING):
+            fastest[n] = low
     return fastest
+
+
+ROUNDING = 1e-12
+"""Of rates: next to a wave that does not vary along the tube all long ones grow alike."""
 
 
 def friction(k: ArrayLike, n: int, fluids: Fluids = WATER) -> Array:

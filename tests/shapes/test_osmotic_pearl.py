@@ -145,3 +145,10 @@ def test_rates_on_pearls_with_thin_necks_are_known():
     for theta in (math.pi / 3, 2 * math.pi / 3):
         expected = fine.growth_rates(1, theta)[:3]
         np.testing.assert_allclose(usual.growth_rates(1, theta)[:3], expected, rtol=1e-5, atol=1e-6)
+
+
+def test_a_period_is_found_by_whatever_division_it_was_made():
+    periods = [AXON / 6, AXON / 6 * (1 + 2e-16), AXON / 6 * (1 - 2e-16)]
+    found = pearls_of_periods(axon(0.001, 100, 80), periods)
+    assert len(set(periods)) == 3
+    assert [len(found[period]) for period in periods] == [1, 1, 1]

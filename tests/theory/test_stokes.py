@@ -96,6 +96,10 @@ def test_fastest_waves_of_moderate_tension(tension, wave):
     assert fastest(lambda k: stokes_rate(k, 0, 0.25 - tension / 2, 0.0))[0] == pytest.approx(wave, abs=6e-5)
 
 
+def test_of_long_waves_that_grow_alike_the_one_that_does_not_vary_is_named():
+    assert fastest_waves(0.25 + 10, 0.0)[3] == 0.0  # the rate of wrinkles falls by less than rounding where k^2 does
+
+
 @pytest.mark.parametrize("c0", [0.0, -0.6, 0.3])
 def test_long_pearls_are_slowed_down_by_the_fluid_inside(c0):
     """s = -D k^2/(4 eta_i): Poiseuille's flow against a membrane that moves along with what it encloses."""
