@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import NamedTuple
 
@@ -38,7 +39,7 @@ def holds(c0: ArrayLike, period: ArrayLike, pearls: ArrayLike) -> NDArray[np.boo
     """Whether the atlas has these pearls: 0.26 <= c0 <= 0.49, and 2 or more that are stable at their onset. Broadcasts."""
     c0, period, pearls = (np.asarray(given, dtype=float) for given in (c0, period, pearls))
     inside = (CURVATURES[0] <= c0) & (c0 <= CURVATURES[1])
-    whole = (pearls >= 2) & (pearls == np.floor(pearls))
+    whole = (pearls >= 2) & (pearls == np.floor(pearls)) & np.isfinite(pearls)
     short, long = _periods(np.where(inside, c0, CURVATURES[0]), np.where(whole, pearls, 2))
     return np.asarray(inside & whole & (short <= period) & (period <= long))
 
@@ -102,7 +103,7 @@ def _atlas() -> Atlas:
 
 def _reason(c0: float, period: float, pearls: float) -> str:
     """Why the atlas does not have some pearls."""
-    if pearls < 2 or pearls != int(pearls):
+    if not (2 <= pearls < math.inf and pearls == int(pearls)):
         return f"pearls: {pearls:g} is no number of pearls that can lose stability to one of them; give 2 or more"
     if not CURVATURES[0] <= c0 <= CURVATURES[1]:
         return f"c0: the atlas has values from {CURVATURES[0]:g} to {CURVATURES[1]:g}, not {c0:g}; use localized_pearls"

@@ -34,32 +34,57 @@ if TYPE_CHECKING:
 TABLES = (".csv", ".parquet")
 
 
-class Periods(Numbers):
-    """Numbers, or the word ``critical``."""
+class Words(Numbers):
+    """Numbers, or a word instead of them."""
+
+    def __init__(self, quantity: str, word: str) -> None:
+        super().__init__(quantity)
+        self.word = word
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Parse the text."""
-        return value if value == "critical" else super().convert(value, param, ctx)
+        return value if value == self.word else super().convert(value, param, ctx)
 
 
 OPTIONS: Mapping[str, Callable[[Any], Any]] = {
     "c0": click.option("--c0", type=Numbers("c0"), required=True, help="Spontaneous curvatures."),
     "L": click.option("--lengths", "L", type=Numbers("length"), required=True, metavar="NUMBERS", help="Tube lengths."),
     "period": click.option(
-        "--period", type=Periods("period"), required=True, metavar="NUMBERS|critical",
+        "--period", type=Words("period", "critical"), required=True, metavar="NUMBERS|critical",
         help="Periods of the pearls, or that of the pearls that each tube loses its stability to.",
     ),
     "pearls": click.option("--pearls", type=Numbers(), default="2,3,4,6,8,16", show_default=True, help="On the tube."),
     "family": click.argument("family"),
     "mode": click.option("--mode", required=True, metavar="m,n", help="Waves along and around the tube."),
+    "growth L": click.option(
+        "--lengths", "L", type=Words("length", "any"), default="any", show_default=True, metavar="NUMBERS|any",
+        help="Tube lengths; on any, waves of all lengths fit.",
+    ),
+    "lambda1": click.option("--tension", "lambda1", type=Numbers("tension"), required=True, metavar="NUMBERS",
+                            help="Of the straight tube, like 1e-3mN/m; numbers are lambda1, by Sigma R^2/(2 kappa)."),
+    "viscosity_ratio": click.option("--viscosity-ratio", type=Numbers(), default="1", show_default=True, metavar="NUMBERS",
+                                    help="Viscosities of the fluid inside, by that of the fluid outside."),
+    "membrane_viscosity": click.option("--membrane-viscosity", type=Numbers("membrane_viscosity"), default="0",
+                                       show_default=True, metavar="NUMBERS",
+                                       help="Of the membrane, by that of the fluid outside: lengths."),
     "v": click.option("--volumes", "v", type=Numbers(), required=True, metavar="NUMBERS", help="Reduced volumes."),
 }  # fmt: skip
-"""Options by the names of questions' parameters."""
+"""Options by the names of questions' parameters, with the question where it has one of its own."""
+
+VISCOSITY = click.option(
+    "--viscosity", metavar="ETA", help="Of the fluid outside, like 1mPa.s: rates of growth are in 1/s."
+)
+"""For what is written of a question in fluids."""
+
+IN_UNITS = ("c0", "L", "period", "lambda1", "membrane_viscosity")
+"""Parameters that the user's unit changes."""
+
 
 STORE = click.option("--store", type=File(), metavar="FILE.sqlite", required=True,
                      help="Keeps the cases; made where there is none.")  # fmt: skip
 EXPORTS = (
     click.option("--plot", type=File(), metavar="FILE.png", help="Draw a picture of what is finished."),
+    click.option("--columns", metavar="NAME,NAME", help="Write these columns of the table, in this order.  [default: all]"),
     click.option("--export", "--out", type=File(), metavar="FILE.csv|.parquet",
                  help="Write the table of what is finished, in the order of the cases."),
 )  # fmt: skip
@@ -96,7 +121,9 @@ def look(
     retry: str | None,
     export: Path | None,
     plot: Path | None,
+    columns: str | None,
     question: str | None,
+    viscosity: str | None,
     workers: str | None,
     scheduler: str | None,
     seconds: float | None,
@@ -121,7 +148,16 @@ def look(
 
     checked(export, plot)
     with Store(store, writing=retry is not None, name="--store") as kept:
-        asked = _question(kept, question)
+        if not (export or plot or retry):
+            for asked in _questions(kept, question):
+                _say_status(kept, asked)
+            return DONE
+        asked, *others = _questions(kept, question)
+        if others:
+            names = ", ".join(one.name for one in (asked, *others))
+            raise InputError(f"--question: the store holds {names}; say which")
+        units = _of_question(asked, units, viscosity)
+        chosen = _chosen(asked, columns)
         result = DONE
         if retry is not None:
             from pearlbvp.scans.scan import engine_of, scanned
@@ -131,23 +167,44 @@ def look(
             result = _interruptible(
                 lambda: scanned(asked, cases, kept, engine, workers=count, seconds=seconds), len(cases)
             )
-        if status or not (export or plot or retry):
+        if status:
             _say_status(kept, asked)
-        return max(result, _written(asked, kept, None, export, plot, units, shown=False))
+        return max(result, _written(asked, kept, None, export, plot, chosen, units, shown=False))
 
 
-def _question(store: Store, name: str | None) -> Question:
-    """The question that a store has cases of."""
+def _of_question(question: Question, units: Units, viscosity: str | None) -> Units:
+    """The units of a question's table."""
+    from pearlbvp.viscosity import in_fluids
+
+    if question.fluids:
+        return in_fluids(units, viscosity)
+    if viscosity is not None:
+        raise InputError(f"--viscosity: {question.name} has no rates of motions in fluids; leave it out")
+    return units
+
+
+def _chosen(question: Question, columns: str | None) -> list[str]:
+    """The columns that are to be written."""
+    if columns is None:
+        return list(question.columns)
+    names = [name.strip() for name in columns.split(",")]
+    for name in names:
+        if name not in question.columns or names.count(name) > 1:
+            why = f"{name} is there twice" if name in question.columns else f"{question.name} has no column {name!r}"
+            raise InputError(f"--columns: {why}; choose of {', '.join(question.columns)}")
+    return names
+
+
+def _questions(store: Store, name: str | None) -> list[Question]:
+    """The questions that a store has cases of, or the one that is asked for."""
     from pearlbvp.scans.questions import question_named
 
     names = store.questions()
     if not names:
         raise InputError(f"--store: {store.path} holds no cases yet")
-    if name is None and len(names) > 1:
-        raise InputError(f"--question: the store holds {', '.join(names)}; say which")
     if name is not None and name not in names:
         raise InputError(f"--question: the store holds no {name}, but {', '.join(names)}")
-    return question_named(name or names[0])
+    return [question_named(one) for one in ([name] if name else names)]
 
 
 def _say_status(store: Store, question: Question) -> None:
@@ -202,6 +259,7 @@ def _written(
     cases: Any,
     export: Path | None,
     plot: Path | None,
+    chosen: list[str],
     units: Units,
     *,
     shown: bool,
@@ -213,15 +271,15 @@ def _written(
         return DONE
     table = units.columns(table_of(question, store, cases))
     if export is not None and str(export) != "-":
-        write_frame("--export", export, table)
+        write_frame("--export", export, table[chosen])
     elif shown or export is not None:
-        print_table(table)
+        print_table(table[chosen])
     if plot is not None:
         from pearlbvp.figures.canvas import save_figure
         from pearlbvp.figures.scan import draw_scan
         from pearlbvp.files import write_whole
 
-        figure = draw_scan(table, question.parameters, question.drawn, units)
+        figure = draw_scan(table, question.name, question.parameters, question.drawn, units, role=question.role)
         write_whole("--plot", plot, lambda path: save_figure(figure, path))
     failed = int((table["status"] == "failed").sum())
     if failed:
@@ -241,18 +299,21 @@ def _ask(question: Question) -> click.Command:
         store: Path,
         export: Path | None,
         plot: Path | None,
+        columns: str | None,
         units: Units,
         workers: str | None,
         scheduler: str | None,
         seconds: float | None,
+        viscosity: str | None = None,
         **parameters: Any,
     ) -> int:
         from pearlbvp.scans.scan import cases_of, engine_of, scanned
         from pearlbvp.scans.store import Store
 
         checked(export, plot)
+        units, chosen = _of_question(question, units, viscosity), _chosen(question, columns)
         for name in parameters:
-            if name in ("c0", "L", "period") and parameters[name] != "critical":
+            if name in IN_UNITS and not isinstance(parameters[name], str):
                 parameters[name] = [_told(units.from_user(name, value), units) for value in parameters[name]]
         if "family" in parameters:
             parameters["mode"] = parameters["mode"].replace(",", ":")
@@ -265,11 +326,12 @@ def _ask(question: Question) -> click.Command:
                 scanned(question, left, kept, engine, workers=count, seconds=seconds, total=len(cases))
 
             status = _interruptible(work, len(cases))
-            return max(status, _written(question, kept, cases, export, plot, units, shown=True))
+            return max(status, _written(question, kept, cases, export, plot, chosen, units, shown=True))
 
     ask.__doc__ = f"{question.says}\n\n    Columns: {', '.join(question.columns)}."
-    command = decorated(ask, radius_option, *EXPORTS, *ENGINES, STORE,
-                        *(OPTIONS[name] for name in reversed(question.parameters)))  # fmt: skip
+    own = [OPTIONS.get(f"{question.name} {name}") or OPTIONS[name] for name in reversed(question.parameters)]
+    fluids = [VISCOSITY] if question.fluids else []
+    command = decorated(ask, radius_option, *fluids, *EXPORTS, *ENGINES, STORE, *own)
     example = f"Example:  pearlbvp scan {question.example}"
     made: click.Command = click.command(question.name, cls=Command, epilog=example)(command)
     return made
@@ -286,6 +348,7 @@ scan: click.Group = click.group(
     decorated(
         click.pass_context(look),
         radius_option,
+        VISCOSITY,
         *EXPORTS,
         *ENGINES,
         click.option("--question", metavar="NAME", help="Which of those that the store holds."),

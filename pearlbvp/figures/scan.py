@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pearlbvp.dimensions import AXES
@@ -17,20 +18,55 @@ MOST_NAMED = 8
 
 
 @own_style()
-def draw_scan(table: pd.DataFrame, parameters: Sequence[str], drawn: str, units: Units = RADII) -> Figure:
+def draw_scan(
+    table: pd.DataFrame,
+    name: str,
+    parameters: Sequence[str],
+    drawn: Sequence[str],
+    units: Units = RADII,
+    *,
+    role: str = "",
+) -> Figure:
     """What is finished of a scan.
 
     Args:
         table: its rows.
+        name: of its question, for the title.
         parameters: of its question.
-        drawn: the column that is drawn.
+        drawn: the columns that are drawn, each on axes of its own.
         units: of the table.
+        role: of the rows that are drawn; all, where it is empty.
     """
-    figure, axes = new_figure()
+    figure, panels = new_figure(1, len(drawn), width=1.5 + 5.5 * len(drawn), squeeze=False)
+    table = table[table["role"] == role] if role else table
     varying = _independent(table, parameters) or [parameters[0]]
     numbers = [name for name in varying if pd.api.types.is_numeric_dtype(table[name])] or [parameters[0]]
     along = max(numbers, key=lambda name: len(set(table[name])))
     others = [name for name in varying if name != along]
+    title = ", ".join(
+        [name, *(words for one in parameters if one not in varying for words in _fixed(table, one, units))]
+    )
+    for axes, column in zip(panels[0], drawn, strict=True):
+        _draw_column(axes, table, along, others, column)
+        labels = [units.axis_label(one, AXES.get(one, one)) for one in (along, column)]
+        dress(axes, labels[0], labels[1], title)
+    note_unit(figure, units)
+    if others and len(table):
+        add_legend(panels[0, 0], fontsize="small")
+    return figure
+
+
+def _fixed(table: pd.DataFrame, name: str, units: Units) -> list[str]:
+    """What a parameter is in all rows, in words; nothing where it varies with others, or has no number."""
+    values = table[name].dropna().unique().tolist() if name in table else []
+    if len(values) != 1:
+        return []
+    value = values[0]
+    return [f"{units.symbol(name)} = {units.named(name, value):g}" if isinstance(value, float) else f"{name} = {value}"]
+
+
+def _draw_column(axes: Axes, table: pd.DataFrame, along: str, others: list[str], drawn: str) -> None:
+    """A column over a parameter, a curve for each value of the others."""
     curves = list(table.groupby(others, sort=True)) if others else [((), table)]
     every = -(-len(curves) // MOST_NAMED)
     for i, (values, rows) in enumerate(curves):
@@ -41,11 +77,6 @@ def draw_scan(table: pd.DataFrame, parameters: Sequence[str], drawn: str, units:
         several = shown[along].duplicated().any()  # of one tube, as its modes are, which no line joins
         axes.plot(shown[along], shown[drawn].astype(float), "." if several else ".-", color=colour, markersize=3, linewidth=1,
                   label=label)  # fmt: skip
-    dress(axes, *(units.axis_label(name, AXES.get(name, name)) for name in (along, drawn)))
-    note_unit(figure, units)
-    if others and len(table):
-        add_legend(axes, fontsize="small")
-    return figure
 
 
 def _independent(table: pd.DataFrame, parameters: Sequence[str]) -> list[str]:

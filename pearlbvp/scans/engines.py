@@ -8,6 +8,7 @@ from __future__ import annotations
 import ctypes
 import os
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import AbstractContextManager, contextmanager
@@ -41,6 +42,17 @@ class Here(Executor):
         return future
 
 
+def end_with(parent: int) -> None:
+    """Let this process end within a second of its parent, which may be killed while it waits for work."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
 def local(workers: int) -> Engine:
     """So many processes on this machine; 1 is this process itself."""
 
@@ -52,7 +64,9 @@ def local(workers: int) -> Engine:
         from joblib.externals.loky import ProcessPoolExecutor  # a fifth of a second to import, and only this needs it
 
         threads = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
-        pool = ProcessPoolExecutor(max_workers=workers, env=threads, timeout=300)
+        pool = ProcessPoolExecutor(
+            max_workers=workers, env=threads, timeout=300, initializer=end_with, initargs=(os.getpid(),)
+        )
         try:
             yield pool
         finally:
@@ -70,7 +84,8 @@ def dask(where: str | int) -> Engine:
     try:
         from distributed import Client, LocalCluster
     except ImportError:
-        raise InputError("scheduler: Dask is not installed; install pearlbvp[dask]") from None
+        name = "workers" if isinstance(where, int) else "scheduler"
+        raise InputError(f"{name}: Dask is not installed; install pearlbvp[dask]") from None
 
     @contextmanager
     def engine() -> Iterator[Executor]:

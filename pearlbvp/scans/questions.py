@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pearlbvp.errors import InputError
 from pearlbvp.scans.case import Case, Row, Value
@@ -20,6 +20,12 @@ if TYPE_CHECKING:
 
 CRITICAL = "critical"
 """The period of the pearls that the straight tube of a length loses stability to, instead of a number."""
+
+ANY = "any"
+"""A tube on which waves of any length fit, instead of its length."""
+
+MANY = 56
+"""Periods of one ``c0`` that are answered together: fewer make no series (``studies.pearl_series.FEWEST``)."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +39,14 @@ class Question:
         rows: the rows of each of several cases that belong together; pure.
         from_series: the same from series that were kept, and the new ones that it took.
         series_of: the ``c0`` of the series that a case is answered from; None where it is from none.
-        together: cases with equal answers are answered by one continuation.
+        together: cases with equal answers are answered together.
+        apart: of those the ones that are answered together where there are fewer than ``MANY`` of such parts.
         integers: columns of whole numbers.
         settings: tolerances that its numbers depend on: other ones are other cases.
         check: refuses a case that no tube has.
-        drawn: the column that pictures show.
+        drawn: the columns that pictures show.
+        role: of the rows that they show; all, where it is empty.
+        fluids: whether its rates are those of motions in fluids, so that a viscosity makes them rates in 1/s.
         says: what is asked, in a sentence.
         example: of its command line.
     """
@@ -47,12 +56,15 @@ class Question:
     columns: tuple[str, ...]
     rows: Callable[[Sequence[Case]], list[Sequence[Row]]]
     together: Callable[[Case], tuple[Value, ...]] = lambda case: case.parameters
+    apart: Callable[[Case], tuple[Value, ...]] | None = None
     from_series: Callable[[Sequence[Case], Sequence[bytes]], tuple[list[Sequence[Row]], list[bytes]]] | None = None
     series_of: Callable[[Case], float | None] = lambda case: None
     integers: tuple[str, ...] = ()
     settings: Mapping[str, Value] = field(default_factory=dict)
     check: Callable[[Case], object] = lambda case: None
-    drawn: str = "v"
+    drawn: tuple[str, ...] = ("v",)
+    role: str = ""
+    fluids: bool = False
     says: str = ""
     example: str = ""
 
@@ -83,14 +95,41 @@ def _dispersion(c0: float, length: float) -> list[Row]:
     return [{"c0": c0, "L": length, **row} for row in _records(branch_points(c0, length))]
 
 
-def _localized(cases: Sequence[Case]) -> list[Sequence[Row]]:
-    """Tables of localized pearls: all lengths of one period by one continuation."""
-    from pearlbvp.studies.localized import localized_rows
+def _growth(c0: float, tension: float, length: Value, viscosity_ratio: float, membrane_viscosity: float) -> list[Row]:
+    from pearlbvp.studies.growth import growth
 
-    _, c0, period, _ = _parameters(cases[0])
-    if period != CRITICAL:
-        return [[row] for row in localized_rows(c0, period, [float(case.parameters[2]) for case in cases])]
-    return _critical(cases, ())[0]
+    table = growth(
+        c0, tension, None if length == ANY else float(length), viscosity_ratio=viscosity_ratio,
+        membrane_viscosity=membrane_viscosity,
+    )  # fmt: skip
+    return _records(table.assign(viscosity_ratio=viscosity_ratio, membrane_viscosity=membrane_viscosity))
+
+
+def _check_growth(case: Case) -> None:
+    from pearlbvp.studies.growth import known_tension
+    from pearlbvp.theory.stokes import Fluids
+
+    c0, tension, _, *fluids = case.parameters
+    known_tension(float(c0), float(tension))
+    Fluids(*map(float, fluids))
+
+
+def _localized(cases: Sequence[Case], known: Sequence[bytes] = ()) -> tuple[list[Sequence[Row]], list[bytes]]:
+    """Tables of localized pearls: all lengths of one period, or of the first pearls, or of all periods of a ``c0``."""
+    if cases[0].parameters[1] == CRITICAL:
+        return _critical(cases, known)
+    return _of_periods(_c0(cases[0]), [(float(case.parameters[2]), float(case.parameters[1])) for case in cases], known)
+
+
+def _of_periods(
+    c0: float, tubes: Sequence[tuple[float, float]], known: Sequence[bytes]
+) -> tuple[list[Sequence[Row]], list[bytes]]:
+    """Rows of tubes by their lengths and periods, and new series."""
+    from pearlbvp.studies.first_pearls import pearls_of_periods
+    from pearlbvp.studies.pearl_series import PearlSeries
+
+    found, new = pearls_of_periods(c0, tubes, [PearlSeries.from_bytes(one) for one in known])
+    return [[row] for row in found], [one.to_bytes() for one in new]
 
 
 def _check_localized(case: Case) -> None:
@@ -99,10 +138,6 @@ def _check_localized(case: Case) -> None:
     _, period, length = case.parameters
     if period != CRITICAL:
         pearls_on(float(length), check_period(float(period)))
-
-
-def _parameters(case: Case) -> tuple[Any, ...]:
-    return (case.question, *case.parameters)
 
 
 def _critical(cases: Sequence[Case], known: Sequence[bytes]) -> tuple[list[Sequence[Row]], list[bytes]]:
@@ -131,11 +166,9 @@ def _c0(case: Case) -> float:
     return float(case.parameters[0])
 
 
-def _region(cases: Sequence[Case]) -> list[Sequence[Row]]:
-    from pearlbvp.studies.localized import localized_rows
-
-    _, c0, period, _ = _parameters(cases[0])
-    return [[row] for row in localized_rows(c0, period, [int(case.parameters[2]) * period for case in cases])]
+def _region(cases: Sequence[Case], known: Sequence[bytes] = ()) -> tuple[list[Sequence[Row]], list[bytes]]:
+    cells = [(float(case.parameters[1]), int(case.parameters[2])) for case in cases]
+    return _of_periods(_c0(cases[0]), [(pearls * period, period) for period, pearls in cells], known)
 
 
 def _amplitude_map(c0: float, length: float) -> Row:
@@ -233,14 +266,22 @@ QUESTIONS: Mapping[str, Question] = {
         Question(
             "dispersion", ("c0", "L"),
             ("c0", "L", "m", "n", "k", "type", "lambda2", "lambda1", "kernel", "role", "force", "status", "message"),
-            _each(_dispersion), integers=("m", "n", "kernel"), drawn="lambda2",
+            _each(_dispersion), integers=("m", "n", "kernel"), drawn=("lambda2",),
             says="The branch points of the straight tube.",
             example="dispersion --c0 0.3,0.48 --lengths 10:40:0.5 --store d.sqlite",
         ),
         Question(
-            "localized", ("c0", "period", "L"), LOCALIZED, _localized,
-            lambda case: case.parameters[:2], _critical, lambda case: _c0(case) if case.parameters[1] == CRITICAL else None,
-            integers=("pearls",), check=_check_localized,
+            "growth", ("c0", "lambda1", "L", "viscosity_ratio", "membrane_viscosity"),
+            ("c0", "lambda1", "L", "viscosity_ratio", "membrane_viscosity", "m", "n", "k", "type", "wavelength", "rate", "mu",
+             "mu_diffusion", "role", "lambda2", "lambda1_lower", "lambda1_pearl", "status", "message"),
+            _each(_growth), integers=("m", "n"), check=_check_growth, drawn=("rate",), role="fastest", fluids=True,
+            says="How fast waves of the straight tube grow in water, which is the fastest, and when pearls do.",
+            example="growth --c0 0 --tension 0.8:2:0.05 --viscosity-ratio 1,10 --store g.sqlite",
+        ),
+        Question(
+            "localized", ("c0", "period", "L"), LOCALIZED, lambda cases: _localized(cases)[0],
+            lambda case: (case.parameters[0], case.parameters[1] == CRITICAL), lambda case: case.parameters[:2],
+            _localized, _c0, integers=("pearls",), check=_check_localized,
             says="Where pearls of a period give way to one localized pearl.",
             example="localized --c0 0.26:0.49:0.01 --period critical --lengths 15:300:7.5 --store l.sqlite",
         ),
@@ -248,14 +289,14 @@ QUESTIONS: Mapping[str, Question] = {
             "period", ("c0", "L"),
             ("c0", "L", "pearls", "period", "k", "status", "lambda2_pearl", "lambda2_upper", "upper_mode", "v_localized",
              "localized_status", "message"),
-            lambda cases: _period(cases)[0], lambda case: case.parameters[:1], _period, _c0,
-            integers=("pearls",), drawn="period",
+            lambda cases: _period(cases)[0], lambda case: case.parameters[:1], None, _period, _c0,
+            integers=("pearls",), drawn=("period",),
             says="The pearl period that appears on a tube, its stable range, and where a localized pearl takes over.",
             example="period --c0 0.3,0.48 --lengths 7.5:120:0.5 --store p.sqlite",
         ),
         Question(
-            "region", ("c0", "period", "pearls"), LOCALIZED, _region, lambda case: case.parameters[:2],
-            integers=("pearls",),
+            "region", ("c0", "period", "pearls"), LOCALIZED, lambda cases: _region(cases)[0],
+            lambda case: case.parameters[:1], lambda case: case.parameters[:2], _region, _c0, integers=("pearls",),
             says="In which part of the plane of period and volume pearls are stable.",
             example="region --c0 0.3:0.48:0.02 --period 6.6:10:0.1 --store r.sqlite",
         ),
@@ -263,15 +304,15 @@ QUESTIONS: Mapping[str, Question] = {
             "amplitude-map", ("c0", "L"),
             ("c0", "L", "lower_mode", "lower_lambda2", "lower_criticality", "upper_mode", "upper_lambda2", "upper_type",
              "upper_criticality", "stable", "status", "message"),
-            _each(_amplitude_map), drawn="upper_lambda2",
+            _each(_amplitude_map), drawn=("lower_lambda2", "upper_lambda2"),
             says="Which mode destabilizes the straight tube at either end of its stable interval.",
             example="amplitude-map --c0=-1:0.48:0.02 --lengths 6:40:1 --store a.sqlite",
         ),
         Question(
             "branch", ("c0", "L", "family", "mode", "v"),
             ("c0", "L", "family", "mode", "v", "status", "lambda1", "lambda2", "E", "amplitude", "r_min", "r_max",
-             "n_unstable", "mu_crit", "message"),
-            _branch, _side, integers=("n_unstable",), check=_check_branch, drawn="lambda2",
+             "n_unstable", "mu_crit", "message", "critical", "mu_error", "wave", "M", "force", "torque"),
+            _branch, _side, integers=("n_unstable",), check=_check_branch, drawn=("lambda2",),
             says="A branch from the straight tube, at given volumes.",
             example="branch coil --mode 1,1 --c0 0:0.48:0.04 --lengths 8:16:1 --volumes 0.9,0.95 --store b.sqlite",
         ),
@@ -281,7 +322,7 @@ QUESTIONS: Mapping[str, Question] = {
              "n_unstable", "mu_crit", "critical", "amplitude", "r_min", "r_max", "branches", "depth", "message"),
             _phases, lambda case: (*case.parameters[:2], float(case.parameters[2]) > 1),
             integers=("rank", "n_unstable", "branches", "depth"), settings={"depth": PHASES_DEPTH}, check=_check_phases,
-            drawn="E", says="Which shapes are stable on a tube at given volumes, by their energy.",
+            drawn=("E",), says="Which shapes are stable on a tube at given volumes, by their energy.",
             example="phases --c0 0.3:0.48:0.02 --lengths 10:20:1 --volumes 1.005,1.01,1.05 --store h.sqlite",
         ),
     )

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from pearlbvp.scans.case import Case, Outcome, coarse_first
 from pearlbvp.scans.engines import Engine, TimedOut, cores, within
-from pearlbvp.scans.questions import QUESTIONS, Question
+from pearlbvp.scans.questions import ANY, CRITICAL, MANY, QUESTIONS, Question
 from pearlbvp.scans.store import Store
 
 Unit = tuple[Case, ...]
@@ -30,11 +30,19 @@ AHEAD = 2
 
 def units_of(question: Question, cases: Sequence[Case]) -> list[Unit]:
     """Cases that are answered together, in an order whose beginnings are coarse maps."""
+    units = []
+    for group in _grouped(cases, question.together):
+        parts = [group] if question.apart is None else _grouped(group, question.apart)
+        units += parts if len(parts) < MANY else [group]
+    return [units[index] for index in coarse_first(len(units))]
+
+
+def _grouped(cases: Sequence[Case], by: Callable[[Case], tuple[Any, ...]]) -> list[Unit]:
+    """Cases with equal answers, in their order."""
     groups: dict[tuple[Any, ...], list[Case]] = {}
     for case in cases:
-        groups.setdefault(question.together(case), []).append(case)
-    units = [tuple(group) for group in groups.values()]
-    return [units[index] for index in coarse_first(len(units))]
+        groups.setdefault(by(case), []).append(case)
+    return [tuple(group) for group in groups.values()]
 
 
 def answer(unit: Unit, seconds: float | None = None, known: Sequence[bytes] = ()) -> Answer:
@@ -65,7 +73,7 @@ def failure(case: Case, message: str) -> Outcome:
     known = {
         name: value
         for name, value in zip(question.parameters, case.parameters, strict=True)
-        if name in question.columns
+        if name in question.columns and value not in (CRITICAL, ANY)  # no words among a column's numbers
     }
     return Outcome(({**known, "status": "failed", "message": message},), "failed", message)
 

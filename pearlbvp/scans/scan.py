@@ -15,7 +15,7 @@ from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.scans import engines
 from pearlbvp.scans.case import Case, Value
-from pearlbvp.scans.questions import CRITICAL, Question, question_named
+from pearlbvp.scans.questions import ANY, CRITICAL, Question, question_named
 from pearlbvp.scans.run import run
 from pearlbvp.scans.store import Store
 
@@ -66,10 +66,14 @@ def _values(name: str, given: Any) -> list[Value]:
         return [given] if isinstance(given, str) else [str(word) for word in given]
     if name == "period" and isinstance(given, str) and given == CRITICAL:
         return [CRITICAL]
+    if name == "L" and isinstance(given, str) and given == ANY:
+        return [ANY]
     numbers = as_numbers(name, given)
     if name == "pearls":
         return [whole(name, number, 2) for number in numbers]
-    return [number if name == "c0" else positive(name, number) for number in numbers]
+    if name in ("c0", "lambda1", "membrane_viscosity"):
+        return list(numbers)
+    return [positive(name, number) for number in numbers]
 
 
 def engine_of(workers: int | str | None, scheduler: str | None = None) -> tuple[engines.Engine, int]:

@@ -77,6 +77,8 @@ class Store:
         self.path = writable(name, path, locked=True)
         if not writing and not self.path.is_file():
             raise InputError(f"{name}: there is no file {path}; give one that a scan wrote")
+        if self.path.exists() and not self.path.is_file():
+            raise InputError(f"{name}: {path} is no ordinary file but a device or a pipe; give a file's name")
         self._held = held(self.path)
         self.running = self._held is None
         if writing and self.running:
@@ -270,8 +272,10 @@ def _key(case: Case, settings: Mapping[str, Value]) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """A number of NumPy as one of Python."""
-    return value.item()
+    """A number of NumPy as one of Python; a missing whole number as nothing."""
+    import pandas as pd
+
+    return None if value is pd.NA else value.item()
 
 
 def all_of(store: Store, question: str, settings: Mapping[str, Value], cases: Iterable[Case]) -> list[Outcome | None]:

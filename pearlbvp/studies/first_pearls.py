@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pearlbvp.helfrich import Tube
-from pearlbvp.studies.localized import localized_row
+from pearlbvp.studies.localized import check_period, localized_row, pearls_on
 from pearlbvp.studies.pearl_series import PearlSeries, losses
 from pearlbvp.studies.stability_loss import Ending, Outcome, at_onset
 from pearlbvp.theory.dispersion import StableInterval, stable_intervals
@@ -84,6 +84,37 @@ def first_pearls(
     return [
         FirstPearls(tube, interval, outcome)
         for tube, interval, outcome in zip(tubes, intervals, outcomes, strict=True)
+        if outcome is not None
+    ], new
+
+
+def pearls_of_periods(
+    c0: float, tubes: Sequence[tuple[float, float]], known: Sequence[PearlSeries] = ()
+) -> tuple[list[dict[str, object]], list[PearlSeries]]:
+    """Rows of ``localized_pearls`` for tubes and periods of one ``c0``, by as few continuations as that takes.
+
+    Args:
+        c0: spontaneous curvature.
+        tubes: lengths, and the periods of the pearls on them.
+        known: series of this ``c0`` from before.
+
+    Returns:
+        A row for each, and the series that were computed for them.
+
+    Raises:
+        InputError: a tube or a period that cannot be, or a length that is no multiple of its period.
+    """
+    counts = [pearls_on(length, check_period(period)) for length, period in tubes]
+    intervals = stable_intervals(float(c0), np.array([Tube(c0, length).length for length, _ in tubes]))
+    outcomes = [at_onset(*case) for case in zip(intervals, counts, strict=True)]
+    wanted = [i for i, outcome in enumerate(outcomes) if outcome is None]
+    periods = np.array([tubes[i][1] for i in wanted])
+    found, new = losses(float(c0), periods, np.array([counts[i] for i in wanted], dtype=np.int64), known)
+    for i, outcome in zip(wanted, found, strict=True):
+        outcomes[i] = outcome
+    return [
+        localized_row(Tube(c0, length), period, count, outcome)
+        for (length, period), count, outcome in zip(tubes, counts, outcomes, strict=True)
         if outcome is not None
     ], new
 

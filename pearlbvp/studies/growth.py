@@ -68,7 +68,7 @@ def growth(
         [{'k': 0.4697, 'rate': 0.0155, 'lambda1_pearl': 0.75}]
     """
     fluids = Fluids(viscosity_ratio, membrane_viscosity)
-    c0, lambda1, lambda2 = _known(c0, tension)
+    c0, lambda1, lambda2 = known_tension(c0, tension)
     tube = None if length is None else Tube(c0, length)
     along = _wave_numbers(tube, wave_numbers, max_m, shortest_wave(lambda2, c0))
     around = range(whole("max_n", max_n, 0) + 1)
@@ -160,7 +160,7 @@ def stable_tensions(c0: float, tube: Tube | None = None) -> tuple[float, float]:
     return ends[0], ends[1] if math.isfinite(ends[1]) else math.nan
 
 
-def _known(c0: float, tension: float) -> tuple[float, float, float]:
+def known_tension(c0: float, tension: float) -> tuple[float, float, float]:
     """``c0, lambda1, lambda2`` of the straight tube.
 
     Raises:

@@ -75,6 +75,10 @@ def test_two_pieces_agree_where_they_meet():
         ((0.2599, 40, 2), "c0: "),
         ((0.48, 7.5, 1), "pearls: 1 is no number"),
         ((0.48, 7.5, 2.5), "pearls: "),
+        ((0.48, 7.5, math.nan), "pearls: nan is no number"),
+        ((0.48, 7.5, math.inf), "pearls: inf is no number"),
+        ((0.48, math.inf, 2), "period: "),
+        ((math.inf, 7.5, 2), "c0: "),
         (
             (0.48, 10.2, 2),
             "period: 2 pearls of period 10.2 radii are not stable at their onset.* from 6.63526 to 10.1051",

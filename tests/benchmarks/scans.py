@@ -59,7 +59,7 @@ def killed() -> Row:
     with tempfile.TemporaryDirectory() as folder:
         for attempt in itertools.count():
             store = Path(folder) / "killed.sqlite"
-            command = [sys.executable, "-m", "pearlbvp", "scan", "dispersion", "--c0=-20:0.48:0.04", "--lengths", "10:300:5",
+            command = [sys.executable, "-m", "pearlbvp", "scan", "dispersion", "--c0=-20:0.48:0.16", "--lengths", "10:300:5",
                        "--store", str(store), "--workers", "2", "--out", str(Path(folder) / "killed.csv")]  # fmt: skip
             before = _finished(store)
             scan = subprocess.Popen(command, env=ALONE, start_new_session=True, stderr=subprocess.DEVNULL)
