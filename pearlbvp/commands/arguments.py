@@ -44,14 +44,18 @@ class Numbers(Quantity):
             return Written(value)
         return value if isinstance(value, list) else parse_numbers(_option(param), value)
 
-    def in_units(self, text: Written, units: Units, param: click.Parameter) -> list[float]:
+    def in_units(self, text: Written, units: Units, param: click.Parameter) -> list[float] | Written:
+        """The numbers in the user's unit; times, which depend on the law of a flow, are left to that."""
+        return text if QUANTITIES[self.quantity].time else self.read(text, units, _option(param))
+
+    def read(self, text: Written, units: Units, option: str) -> list[float]:
         """The numbers in the user's unit."""
         from pearlbvp.numbers import parse_numbers
 
         def number(found: re.Match[str]) -> str:
-            return repr(units.number(self.quantity, found[0], _option(param))) if has_unit(found[0]) else found[0]
+            return repr(units.number(self.quantity, found[0], option)) if has_unit(found[0]) else found[0]
 
-        return parse_numbers(_option(param), re.sub("[^,:]+", number, text))
+        return parse_numbers(option, re.sub("[^,:]+", number, text))
 
 
 class Number(Quantity):

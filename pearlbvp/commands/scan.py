@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from pearlbvp.commands.arguments import File, Number, Numbers
+from pearlbvp.commands.arguments import File, Number, Numbers, Written
 from pearlbvp.commands.command import Command, as_typed
 from pearlbvp.commands.output import (
     DONE,
@@ -66,7 +66,8 @@ OPTIONS: Mapping[str, Callable[[Any], Any]] = {
                                     help="Viscosities of the fluid inside, by that of the fluid outside."),
     "membrane_viscosity": click.option("--membrane-viscosity", type=Numbers("membrane_viscosity"), default="0",
                                        show_default=True, metavar="NUMBERS",
-                                       help="Of the membrane, by that of the fluid outside: lengths."),
+                                       help="Of the membrane, like 5e-9Pa.s.m; without --viscosity by that of the fluid "
+                                       "outside, a length."),
     "v": click.option("--volumes", "v", type=Numbers(), required=True, metavar="NUMBERS", help="Reduced volumes."),
 }  # fmt: skip
 """Options by the names of questions' parameters, with the question where it has one of its own."""
@@ -313,6 +314,8 @@ def _ask(question: Question) -> click.Command:
         checked(export, plot)
         units, chosen = _of_question(question, units, viscosity), _chosen(question, columns)
         for name in parameters:
+            if isinstance(parameters[name], Written):  # a time's unit is that of motions in fluids
+                parameters[name] = Numbers(name).read(parameters[name], units, f"--{name.replace('_', '-')}")
             if name in IN_UNITS and not isinstance(parameters[name], str):
                 parameters[name] = [_told(units.from_user(name, value), units) for value in parameters[name]]
         if "family" in parameters:

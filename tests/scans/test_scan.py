@@ -19,10 +19,12 @@ from pearlbvp.errors import InputError
 from pearlbvp.scans import run as runs
 from pearlbvp.scans.case import Case, Outcome
 from pearlbvp.scans.engines import Here, TimedOut, dask, given, local, within
-from pearlbvp.scans.questions import QUESTIONS, Question
+from pearlbvp.scans.questions import MANY, QUESTIONS, Question
+from pearlbvp.scans.run import units_of
 from pearlbvp.scans.scan import cases_of, scan, scanned, table_of
 from pearlbvp.scans.store import Store
 from pearlbvp.studies.localized import localized_pearls
+from pearlbvp.studies.pearl_series import FEWEST
 from pearlbvp.studies.region import stability_region
 
 DISPERSION = QUESTIONS["dispersion"]
@@ -252,6 +254,45 @@ def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
     monkeypatch.setattr(engines, "PATIENCE", 0.5)
     with pytest.raises(InputError, match="scheduler: tcp://127.0.0.1:9 does not answer"), dask("tcp://127.0.0.1:9")():
         pass
+
+
+CHILD = "import os, time; from pearlbvp.scans.engines import end_with; end_with(os.getppid()); print(1, flush=True); time.sleep(60)"
+PARENT = "import subprocess, sys; subprocess.run([sys.executable, '-c', sys.argv[1]])"
+
+
+def test_a_worker_ends_when_its_parent_is_killed():
+    """Of the parent that is killed only the child holds standard output, which ends with it."""
+    with subprocess.Popen([sys.executable, "-c", PARENT, CHILD], stdout=subprocess.PIPE) as parent:
+        assert parent.stdout.readline() == b"1\n"
+        parent.kill()
+        begun = time.monotonic()
+        assert parent.stdout.read() == b""
+    assert time.monotonic() - begun < 30
+
+
+def test_many_periods_of_a_c0_come_from_a_series_and_are_those_of_a_continuation_each(tmp_path):
+    """60 periods, more than the continuations that a series takes; further ones need none."""
+    question = QUESTIONS["region"]
+    assert MANY == FEWEST
+    some, many = (cases_of(question, {"c0": 0.45, "period": f"7:10:{step}", "pearls": "2,5"}) for step in (0.1, 0.05))
+    assert (len(units_of(question, some)), len(units_of(question, many))) == (31, 1)
+    found = scan("region", tmp_path / "s.sqlite", c0=0.45, period="7:10:0.05", pearls="2,5", workers=1)
+    with Store(tmp_path / "s.sqlite") as kept:
+        assert kept.series(0.45)
+    rows = found[found["status"] == "found"].iloc[::20]
+    assert len(rows) > 2
+    for _, row in rows.iterrows():
+        (alone,) = localized_pearls(0.45, row.period, [row.L]).itertuples()
+        assert [row.lambda2, row.v, row.amplitude] == pytest.approx([alone.lambda2, alone.v, alone.amplitude], abs=1e-9)
+
+
+def test_what_is_missing_among_whole_numbers_is_kept(tmp_path):
+    """Waves of a tube without a length have no number along it."""
+    found = scan(
+        "growth", tmp_path / "s.sqlite", c0=0, lambda1=1.5, L="any", viscosity_ratio=1, membrane_viscosity=0, workers=1
+    )
+    assert found["m"].isna().all()
+    assert found["n"].unique().tolist() == [0, 1, 2]
 
 
 def test_units_are_answered_case_by_case_where_the_whole_fails(monkeypatch):

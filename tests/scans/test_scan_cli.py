@@ -1,5 +1,7 @@
 """``pearlbvp scan``: tables, pictures, how far it is, and mistakes."""
 
+from io import StringIO
+
 import pandas as pd
 import pytest
 from support.commands import is_png, run
@@ -48,6 +50,45 @@ def test_a_tube_in_other_units_is_the_same_case(capsys, tmp_path):
     assert run(capsys, "scan", "--store", store)[1] == "dispersion: 1 done\n"
 
 
+def test_growth_is_in_seconds_by_a_viscosity_and_as_the_plain_command_has_it(capsys, tmp_path):
+    """Also where a store is looked at, and a tube in other units is the same case."""
+    store, units = tmp_path / "s.sqlite", ["--radius", "0.7um", "--kappa", "20kT", "--viscosity", "1mPa.s"]
+    tube = ["--c0", "0", "--tension", "1e-3mN/m", "--membrane-viscosity", "1e-9Pa.s.m"]
+    plain = run(capsys, "growth", *units, *tube, "--out", "-")[1]
+    shared = ",".join(name.partition("[")[0] for name in plain.splitlines()[0].split(",")).replace("C0", "c0")
+    asked = run(capsys, "scan", "growth", *units, *tube, "--store", store, "--columns", shared, *ONE)
+    assert run(capsys, "scan", "--store", store, *units, "--columns", shared, "--export", "-") == asked
+    found, expected = (pd.read_csv(StringIO(text)) for text in (asked[1], plain))
+    pd.testing.assert_frame_equal(found, expected, rtol=1e-6)  # the fastest wave is known to eight digits
+    assert "rate[1/s]" in found
+    other = [
+        "--radius",
+        "700nm",
+        "--kappa",
+        "20kT",
+        "--c0",
+        "0",
+        "--tension",
+        "1e-6N/m",
+        "--membrane-viscosity",
+        "1um",
+    ]
+    assert run(capsys, "scan", "growth", *other, "--store", store, *ONE)[0] == 0
+    assert run(capsys, "scan", "--store", store)[1] == "growth: 1 done\n"
+
+
+def test_a_store_of_several_questions_tells_of_all(capsys, store):
+    run(capsys, "scan", "dispersion", "--c0", "0", "--lengths", "10", "--store", store, *ONE)
+    assert run(capsys, "scan", "--store", store, "--status")[1] == "dispersion: 1 done\nregion: 4 done\n"
+    assert "--question: the store holds dispersion, region" in run(capsys, "scan", "--store", store, "--export", "-")[2]
+    words = ["--question", "region", "--columns", "v,period", "--export", "-"]
+    assert run(capsys, "scan", "--store", store, *words)[1].startswith("v,period\n")
+    said = run(capsys, "scan", "--store", store, "--question", "region", "--columns", "v,w", "--export", "-")
+    assert (said[0], "--columns: region has no column 'w'" in said[2]) == (2, True)
+    said = run(capsys, "scan", "--store", store, "--question", "region", "--viscosity", "1mPa.s", "--export", "-")
+    assert (said[0], "--viscosity: region has no rates" in said[2]) == (2, True)
+
+
 def test_cases_that_fail_are_said_and_done_again(capsys, tmp_path):
     """A millisecond is too short for a continuation; without the limit it is found."""
     store = tmp_path / "s.sqlite"
@@ -70,6 +111,10 @@ def test_cases_that_fail_are_said_and_done_again(capsys, tmp_path):
         (["dispersion", "--c0", "0", "--lengths", "-1", "--store", "s"], "--lengths: "),
         (["localized", "--c0", "0", "--period", "8", "--lengths", "30", "--store", "s"], "--lengths: 30 radii is no multiple"),
         (["dispersion", "--c0", "0", "--lengths", "10", "--store", "s", "--export", "x.txt"], "--export: x.txt has the ending"),
+        (["dispersion", "--c0", "0", "--lengths", "10", "--store", "/dev/null"], "--store: /dev/null is no ordinary file"),
+        (["growth", "--c0", "0", "--tension", "1", "--viscosity", "1mPa.s", "--store", "s"], "--viscosity: 1mPa.s needs the radius"),
+        (["growth", "--c0", "0", "--tension", "-1e6", "--store", "s"], "--tension: at -1e+06"),
+        (["growth", "--c0", "0", "--tension", "1", "--lengths", "0", "--store", "s"], "--lengths: "),
         (["dispersion", "--c0", "0", "--lengths", "10", "--store", "no/s"], "/no does not exist; make it first"),
         (["dispersion", "--c0", "0", "--lengths", "10", "--store", "s", "--workers", "2", "--scheduler", "tcp://x:1"], "--workers: "),
         (["branch", "blob", "--mode", "1,1", "--c0", "0", "--lengths", "10", "--volumes", "0.9", "--store", "s"], "family: "),
