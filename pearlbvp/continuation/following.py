@@ -36,6 +36,8 @@ class BranchOptions:
         folds: observables whose turning points are located, besides those of ``until_special``.
         limit: a reason to end at a solution besides those of its problem, or None; it raises ``SpectrumError`` where something
             is not known well enough.
+        stability: compute growth rates; without them a branch shows where shapes lead, but neither branch points nor where
+            stability ends it.
         progress: called with the branch so far after each point, special ones too, to show or to save it.
         locating: called while the special points of a step are located, with how many are and how many there are.
     """
@@ -45,6 +47,7 @@ class BranchOptions:
     until_special: Mapping[str, int] = field(default_factory=dict)
     folds: Sequence[str] = ("lambda1", "lambda2", "v", "E")
     limit: Callable[[Solution[Any]], str | None] = lambda point: None
+    stability: bool = True
     progress: Callable[[Branch[Any]], None] = lambda branch: None
     locating: Callable[[int, int], None] = lambda done, of: None
 
@@ -112,6 +115,10 @@ class _Run(Generic[P]):
         watched = [name for name in options.watched if name not in start.problem.constant]
         self.watched = list(dict.fromkeys((*watched, start.problem.conserved) if start.problem.conserved else watched))
 
+    def _whole(self, point: Solution[P]) -> Solution[P]:
+        """A point with all computed that the branch shows."""
+        return (point if self.options.stability else replace(point, known=Spectrum.not_asked())).computed()
+
     def so_far(self) -> Branch[P]:
         """What there is of it."""
         return Branch(list(self.points), list(self.special), Status.RUNNING, "unfinished")
@@ -135,7 +142,7 @@ class _Run(Generic[P]):
             PathEnd, SpectrumError, numpy.linalg.LinAlgError: it cannot go on.
         """
         options, problem = self.options, self.start.problem
-        self.points.append(self.start.computed())
+        self.points.append(self._whole(self.start))
         if any(has_value(self.points[0], name, value, exact) for name, value in options.until.items()):
             return self.end(Status.REACHED, "the start has the wanted value")
         path, tried = steps(self.start, options.path), math.inf
@@ -147,7 +154,7 @@ class _Run(Generic[P]):
             if wanted is not None and not wanted.converged:
                 reason = "a wanted value lies just ahead, but could not be reached; take shorter steps"
                 return self.end(Status.FAILED, reason)
-            latest = (point if wanted is None else wanted.point).computed()
+            latest = self._whole(point if wanted is None else wanted.point)
             events = events_between(before, latest, self.watched, at_start, options.locating)
             length = _length(before, latest)
             shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
@@ -165,7 +172,7 @@ class _Run(Generic[P]):
         """The special points of a step, one point for those at one place; the whole branch, if it ends at one of them."""
         most = self.options.path.max_points
         for together in _places(events):
-            self.points.append(together[0].point.computed())
+            self.points.append(self._whole(together[0].point))
             self._name(together, length)
             self.options.progress(self.so_far())
             if self.so_far().asked(self.options.until_special) is not None:

@@ -64,6 +64,11 @@ class Spectrum:
         """In the place of growth rates that could not be computed: a start is shown, and saved, all the same."""
         return cls({}, math.nan, 0.0, complete=False)
 
+    @classmethod
+    def not_asked(cls) -> Self:
+        """In the place of growth rates that nobody wants to know."""
+        return cls({}, math.nan, 0.0)
+
     @property
     def n_unstable(self) -> int:
         """Dimension of the unstable space; at a branch point its neutral perturbation is not counted."""

@@ -5,8 +5,9 @@ A question more is an entry here: the store, the engines, the command line and t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -206,6 +207,7 @@ def _check_mode(name: str, mode: str) -> None:
 
 def _branch(cases: Sequence[Case]) -> list[Sequence[Row]]:
     """Rows of a branch at given volumes: one continuation from the cylinder outwards for each side of v = 1."""
+    from pearlbvp.continuation.branch import Status
     from pearlbvp.helfrich import Tube
     from pearlbvp.studies.branch import branch_options, family_branch
     from pearlbvp.studies.onward import resumed
@@ -214,13 +216,24 @@ def _branch(cases: Sequence[Case]) -> list[Sequence[Row]]:
     tube = Tube(float(c0), float(length))
     rows: dict[float, Row] = {}
     branch = None
-    for v in sorted({float(case.parameters[4]) for case in cases}, key=lambda v: abs(v - 1)):
+    volumes = sorted({float(case.parameters[4]) for case in cases}, key=lambda v: abs(v - 1))
+    # Where shapes lead is known without their growth rates, which take most of the time: volumes that are out of reach cost
+    # no more than that.
+    options = replace(branch_options({"v": volumes[-1]}), folds=(), stability=False)
+    scout = family_branch(tube, str(family), _waves(str(mode)), options)
+    side = math.copysign(1, volumes[-1] - 1)
+    reach = max(side * (point.observables["v"] - 1) for point in scout.points)
+    ends = scout.status in (Status.POINTS, Status.LIMIT)
+    for v in volumes:
         options = branch_options({"v": v})
+        here = {"c0": c0, "L": length, "family": family, "mode": mode, "v": v}
+        if ends and side * (v - 1) > reach:
+            rows[v] = {**here, "status": "none_in_range", "message": f"the branch does not reach it: {scout.reason}"}
+            continue
         if branch is None:
             branch = family_branch(tube, str(family), _waves(str(mode)), options)
         elif branch.complete:
             branch = resumed(branch, options)
-        here = {"c0": c0, "L": length, "family": family, "mode": mode, "v": v}
         if abs(branch.points[-1].observables["v"] - v) < 1e-9:
             values = _records(branch.table().tail(1))[0]
             rows[v] = {**values, **here, "status": "found", "message": ""}

@@ -8,6 +8,7 @@ import sys
 import time
 from concurrent.futures import Executor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -23,6 +24,7 @@ from pearlbvp.scans.questions import MANY, QUESTIONS, Question
 from pearlbvp.scans.run import units_of
 from pearlbvp.scans.scan import cases_of, scan, scanned, table_of
 from pearlbvp.scans.store import Store
+from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.localized import localized_pearls
 from pearlbvp.studies.pearl_series import FEWEST
 from pearlbvp.studies.region import stability_region
@@ -341,3 +343,11 @@ def test_further_lengths_are_answered_from_the_series_that_are_kept(tmp_path, mo
     monkeypatch.undo()
     row = periods[periods.L == 33.5].iloc[0]
     assert localized_pearls(0.4, row.period, 33.5).v[0] == pytest.approx(row.v_localized, abs=1e-9)
+
+
+def test_without_growth_rates_a_branch_leads_to_the_same_shapes():
+    tube, options = pb.Tube(0.48, 15), branch_options({"v": 1.02})
+    whole = family_branch(tube, "pearl", (2, 0), options)
+    scout = family_branch(tube, "pearl", (2, 0), replace(options, folds=(), stability=False))
+    assert (len(whole.find("bp")) > 0, scout.find("bp"), scout.points[-1].spectrum.rates) == (True, [], {})
+    assert scout.points[-1].observables == pytest.approx(whole.points[-1].observables, abs=1e-8)
