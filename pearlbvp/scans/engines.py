@@ -90,10 +90,15 @@ def dask(where: str | int) -> Engine:
     @contextmanager
     def engine() -> Iterator[Executor]:
         if isinstance(where, int):
-            with (
-                LocalCluster(n_workers=where, threads_per_worker=1, dashboard_address=None) as cluster,
-                Client(cluster) as client,
-            ):
+            try:
+                cluster = LocalCluster(n_workers=where, threads_per_worker=1, dashboard_address=None)
+            except (OSError, RuntimeError, TimeoutError) as error:
+                why = " ".join(str(error).split())[:120] or type(error).__name__
+                raise InputError(
+                    f'workers: the cluster did not start ({why}); in a script call it under if __name__ == "__main__", or '
+                    "give a number of processes"
+                ) from None
+            with cluster, Client(cluster) as client:
                 yield client.get_executor(pure=False)
             return
         try:

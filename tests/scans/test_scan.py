@@ -297,6 +297,17 @@ def test_what_is_missing_among_whole_numbers_is_kept(tmp_path):
     assert found["n"].unique().tolist() == [0, 1, 2]
 
 
+def test_a_cluster_that_does_not_start_is_named(monkeypatch):
+    distributed = pytest.importorskip("distributed")
+
+    def fail(**options):
+        raise RuntimeError("Nanny failed to start.")
+
+    monkeypatch.setattr(distributed, "LocalCluster", fail)
+    with pytest.raises(InputError, match="^workers: the cluster did not start .Nanny failed"), dask(2)():
+        pass
+
+
 def test_units_are_answered_case_by_case_where_the_whole_fails(monkeypatch):
     question = Question("trial", ("c0",), ("c0", "status", "v", "message"), _fail_or_answer)
     monkeypatch.setitem(QUESTIONS, "trial", question)
