@@ -54,7 +54,9 @@ class Solution(solutions.Solution[Any]):
 
 
 def _solution(found: solutions.Solution[Any]) -> Solution:
-    return Solution(**{field.name: getattr(found, field.name) for field in fields(found)})
+    """The same with a profile and a surface; growth rates that the branch has computed are not computed again."""
+    carried = {field.name: getattr(found, field.name) for field in fields(found)}
+    return Solution(**carried | {"known": vars(found).get("spectrum", found.known)})
 
 
 def _is_kind(kind: str) -> bool:

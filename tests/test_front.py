@@ -54,6 +54,13 @@ def test_points_by_number_by_slice_and_by_kind(pearls):
         pearls["bp:2"]
 
 
+def test_growth_rates_of_a_branch_are_not_computed_again(pearls):
+    """A point that is taken from a branch, by whatever way, has the very spectrum that the branch found."""
+    for k, point in enumerate(pearls):
+        assert point.spectrum is pearls.points[k].spectrum
+        assert pearls[k].spectrum is point.spectrum
+
+
 def test_a_pushed_pearl_flows_and_rests(pearls):
     for _ in range(2):
         result = pb.flow(pearls[-1], delta=0.05)
