@@ -14,10 +14,11 @@ from pearlbvp._version import __version__
 
 if TYPE_CHECKING:
     from pearlbvp import atlas
+    from pearlbvp.branch_diagram import diagram
     from pearlbvp.branches import Branch, Solution
     from pearlbvp.bvp import continue_bvp, solve_bvp
     from pearlbvp.errors import InputError
-    from pearlbvp.front import amplitude, branch, diagram, dispersion, flow, load
+    from pearlbvp.front import amplitude, branch, dispersion, flow, load
     from pearlbvp.helfrich import Tube
     from pearlbvp.phase_diagram import phases
     from pearlbvp.scans.scan import scan
@@ -43,7 +44,7 @@ _HOMES = {
     "atlas": "atlas:",
     "branch": "front:branch",
     "continue_bvp": "bvp:continue_bvp",
-    "diagram": "front:diagram",
+    "diagram": "branch_diagram:diagram",
     "dispersion": "front:dispersion",
     "equilibria": "studies.equilibria:equilibria",
     "flow": "front:flow",

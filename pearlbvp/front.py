@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from pearlbvp.flows.problem import Law
     from pearlbvp.flows.record import FlowResult
     from pearlbvp.studies.branch import Discretization
-    from pearlbvp.studies.diagram import Diagram
     from pearlbvp.studies.flow_start import Perturbation
 
 
@@ -119,40 +118,6 @@ def flow(
 
         begun = mesh_start(start, nodes, law=law)
     return run(begun.problem, begun.perturbed(perturb, delta), FlowOptions(**how))
-
-
-def diagram(
-    tube: Tube,
-    depth: int = 1,
-    *,
-    modes: Iterable[WaveNumbers] | None = None,
-    until: Until | None = None,
-    processes: int = 0,
-) -> Diagram:
-    """All branches from the straight tube, and from their branch points on, to a depth.
-
-    Args:
-        tube: the straight tube.
-        depth: 0 for branches from the straight tube only, 1 for those that cross them, too, and so on.
-        modes: follow every family of these; by default all pearls of ``k < 1``.
-        until: where every branch stops.
-        processes: how many to work in; 0 for one a core.
-
-    Returns:
-        Branches by name (``branches``), and why others were not followed (``skipped``).
-
-    Raises:
-        InputError: an argument that cannot be used.
-    """
-    from dataclasses import replace
-
-    from pearlbvp.studies.branch import branch_options
-    from pearlbvp.studies.diagram import diagram as study
-
-    options = None if until is None else branch_options(until)
-    known_tube(tube)
-    found = study(tube.c0, tube.length, depth, options, modes=modes, processes=processes)
-    return replace(found, branches={name: Branch.of(followed) for name, followed in found.branches.items()})
 
 
 def dispersion(tube: Tube, max_m: int | None = None, max_n: int = 4) -> pd.DataFrame:

@@ -67,6 +67,17 @@ def test_a_pushed_pearl_flows_and_rests(pearls):
         assert result.status == "steady"
 
 
+def test_a_diagram_draws_any_two_columns():
+    found = pb.diagram(pb.Tube(c0=0.48, L=15), 0, until={"v": 1.01}, processes=1)
+    axes = found.plot("v", "lambda2").axes[0]
+    drawn = np.concatenate([line.get_ydata() for line in axes.lines])
+    values = [point.observables["lambda2"] for branch in found.branches.values() for point in branch]
+    assert (np.nanmin(drawn), np.nanmax(drawn)) == pytest.approx((min(values), max(values)), abs=1e-3)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("v", "lambda2 (1/radius³)")
+    with pytest.raises(pb.InputError, match=r"^column: nope is not in the table; take one of branch, point,"):
+        found.plot("nope")
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [

@@ -1,0 +1,69 @@
+"""All branches that are reached from the straight tube, with the verbs of an ordinary analysis: nothing is computed here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import fields
+from typing import TYPE_CHECKING
+
+from pearlbvp.branches import Branch, Until
+from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube, WaveNumbers, known_tube
+from pearlbvp.studies import diagram as study
+from pearlbvp.units import RADII, Units
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Diagram(study.Diagram):
+    """Branches by name: ``branches["3/1"]`` is what crosses three equal pearls at their first branch point."""
+
+    def plot(self, x: str = "v", y: str = "E", title: str = "", units: Units = RADII) -> Figure:
+        """Two columns of all branches, unstable parts dashed, special points marked.
+
+        Raises:
+            InputError: there is no such column.
+        """
+        from pearlbvp.figures.diagram import draw_plane
+
+        table = units.columns(self.table())
+        for name in (x, y):
+            if name not in table:
+                raise InputError(f"column: {name} is not in the table; take one of {', '.join(map(str, table))}")
+        return draw_plane(table, x, y, title, units)
+
+
+def diagram(
+    tube: Tube,
+    depth: int = 1,
+    *,
+    modes: Iterable[WaveNumbers] | None = None,
+    until: Until | None = None,
+    processes: int = 0,
+) -> Diagram:
+    """All branches from the straight tube, and from their branch points on, to a depth.
+
+    Args:
+        tube: the straight tube.
+        depth: 0 for branches from the straight tube only, 1 for those that cross them, too, and so on.
+        modes: follow every family of these; by default all pearls of ``k < 1``.
+        until: where every branch stops.
+        processes: how many to work in; 0 for one a core.
+
+    Returns:
+        Branches by name (``branches``), and why others were not followed (``skipped``); ``table()`` and ``plot()``.
+
+    Raises:
+        InputError: an argument that cannot be used.
+
+    Example:
+        ``pb.diagram(pb.Tube(c0=0.48, L=15), until={"v": 1.05}).plot("v", "lambda2")``
+    """
+    from pearlbvp.studies.branch import branch_options
+
+    options = None if until is None else branch_options(until)
+    known_tube(tube)
+    found = study.diagram(tube.c0, tube.length, depth, options, modes=modes, processes=processes)
+    carried = {field.name: getattr(found, field.name) for field in fields(found)}
+    return Diagram(**carried | {"branches": {name: Branch.of(each) for name, each in found.branches.items()}})
