@@ -227,3 +227,8 @@ def buckle_symmetry(m: int, n: int) -> TubeSymmetry:
 def pearl_symmetry(m: int) -> TubeSymmetry:
     """Independent of ``phi``, even in ``x``."""
     return TubeSymmetry(m, 0, 0, frozenset({0, ODD_P}))
+
+
+def axisymmetric_symmetry(m: int) -> TubeSymmetry:
+    """Independent of ``phi``, without planes of reflection."""
+    return TubeSymmetry(m, 0, 0, frozenset({0, ODD_X, ODD_P, ODD_X | ODD_P}))
