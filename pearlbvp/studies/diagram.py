@@ -133,8 +133,8 @@ def diagram(
         refused: of a branch and a branch point on it, why what crosses there is not to be followed; empty where it is.
 
     Returns:
-        The branches. A branch point that was not located, at which pearls lose their axial symmetry, or coils of ``n > 1``
-        begin, is skipped, and so is a branch that has been found before (it joins the same two solutions).
+        The branches. A branch point that was not located is skipped, and so is a branch that has been found before (it joins
+        the same two solutions).
 
     Raises:
         InputError: an argument that cannot be used.
@@ -174,8 +174,9 @@ def diagram(
                 skipped[name] = f"it is the branch {twin}"
                 continue
             branches[name] = branch
-            kept = wanted["pearl"] if branch.points[-1].problem.family == "pearl" else wanted[MIXED]
+            axisymmetric = branch.points[-1].problem.family == "pearl"
             for child, number, special, centre in _children(name, branch):
+                kept = wanted["pearl" if axisymmetric and special.block.n == 0 else MIXED]
                 if why := refused(branch, special):
                     skipped[child] = why
                 else:
