@@ -169,7 +169,7 @@ def pearl_tube_start(
 
 
 def _settled(tube: TubeFlow, q: Array, found: Mapping[str, float]) -> FlowStart:
-    kept = np.array([1.0, found["v"] / 2])[: 2 if tube.law == "area and volume" else 1]
+    kept = np.array([1.0, found["v"] / 2])[: 1 if tube.law == "area" else 2]
     multipliers = np.array([found["lambda1"], found["lambda2"]])[: len(kept)]
     if found["amplitude"] < SMALLEST_AMPLITUDE:  # the straight tube is exact, and Newton's method singular there
         return FlowStart(tube, q, multipliers)
