@@ -126,3 +126,16 @@ def test_necks_too_thin_for_modes_are_refused():
     thin = family_branch(Tube(1.2, 12), "pearl", (1, 0), branch_options({"r_min": 0.0135})).points[-1]
     with pytest.raises(LiftError, match="256 reduced modes do not resolve"):
         thin.problem.lift(Block(1, 0, 1, "even"), "pearl", thin.u, thin.tangent)
+
+
+def test_bent_pearls_are_stable_on_a_mesh_too_where_equal_ones_are_not():
+    """Pearls of period 4.5 at ``c0 = 0.6``: below ``v = 0.945298`` those that bend to and fro take over."""
+    pearls = family_branch(Tube(0.6, 9), "pearl", (2, 0), branch_options({"bp": 7}))
+    left, end = pearls.points[-1], switched(pearls, 7, branch_options({"v": 0.92})).points[-1]
+    assert left.observables["v"] == pytest.approx(0.94529752, abs=1e-7)
+    assert end.spectrum.n_unstable == 0
+    problem, u = meshed(end, 1500)
+    spectrum = problem.spectrum(u)
+    assert spectrum.n_unstable == 0
+    assert spectrum.mu_crit == pytest.approx(end.spectrum.mu_crit, rel=0.12)
+    assert problem.observables(u)["E"] == pytest.approx(end.observables["E"], abs=1e-5)
