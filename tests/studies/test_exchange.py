@@ -46,12 +46,12 @@ def test_the_gap_is_of_second_order_and_says_who_is_stable_in_it(table):
 
 def test_mixed_tubes_join_the_coils_and_the_buckles_of_the_table(table):
     """From the buckles on, in a frame at rest, to the point that the coils have in a turning one."""
-    row = table[(table["c0"] == 0.48) & table["v_coil"].notna()].iloc[0]
-    buckles = family_branch(Tube(0.48, row["L"]), "buckle", (1, 1), branch_options({"v": 0.985}, max_step=0.3))
+    row = table[(table["c0"] == 0.48) & table["v_coil"].notna()].iloc[-1]
+    buckles = family_branch(Tube(0.48, row["L"]), "buckle", (1, 1), branch_options({"v": 0.995}, max_step=0.3))
     assert buckles.at(buckles.find("bp")[0]).observables["v"] == pytest.approx(row["v_buckle"], abs=1e-9)
     mixed = switched(buckles, 1, branch_options(max_points=12, max_step=0.1))
     assert "pitchfork" in mixed.reason
     assert mixed.points[-1].observables["v"] == pytest.approx(row["v_coil"], abs=1e-7)
-    again = exchange_table([0.48], [row["L"] - row["exchange"]]).iloc[0]
+    again = exchange_table([0.48], [row["L"] - row["exchange"]], lowest=0.995).iloc[0]
     for name in ("v_coil", "lambda2_coil", "v_buckle", "lambda2_buckle"):
         assert again[name] == pytest.approx(row[name], abs=1e-9)
