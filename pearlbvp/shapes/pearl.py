@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -26,21 +26,18 @@ from pearlbvp.membrane import repeated as repeated_surface
 from pearlbvp.representation import brief
 from pearlbvp.shapes import axisymmetric, large_multipliers
 from pearlbvp.shapes.cells import HALF_CELL, HALF_CELL_LARGE, full_cell, mirrored, repeated_cells
-from pearlbvp.shapes.pearl_modes import pearls_in_modes
 from pearlbvp.stability.bloch import SecondVariation
 from pearlbvp.stability.profile import Profile
 from pearlbvp.stability.spectrum import Block, block_rates, spectrum
-from pearlbvp.tube.problem import TubeProblem
-from pearlbvp.tube.symmetry import ODD_X
 from pearlbvp.units import Sentence
 
-Centre = Literal["pearl", "neck"]
+if TYPE_CHECKING:
+    from pearlbvp.tube.problem import TubeProblem
 
 ENTER_LARGE, LEAVE_LARGE = 12.0, 6.0
 """``|lambda1|`` above which a half cell changes to the chart of large multipliers, and below which it changes back.
 
 Of short pearls times the square of their wave number, which is the size of their multipliers."""
-
 
 THINNEST_NECK = 4e-3
 """Radius of the neck at which a branch of pearls ends: beyond, rounding spoils the count of unstable waves."""
@@ -212,10 +209,8 @@ class PearlProblem(MembraneProblem):
     @property
     def varying(self) -> tuple[str, ...]:
         """What varies on the branch of what perturbations may keep."""
-        names = {
-            "mean": "lambda2",
-            "length": "L",
-        }  # the large-multiplier chart has lambda2 by way of the mean curvature
+        # The chart of large multipliers has lambda2 by way of the mean curvature.
+        names = {"mean": "lambda2", "length": "L"}
         return tuple(names.get(name, name) for name in self.free)
 
     def spectrum(self, u: Array) -> Spectrum:
@@ -281,8 +276,9 @@ class PearlProblem(MembraneProblem):
             LiftError: the profile is no graph over its axis, as reduced modes need it.
         """
         if block.n != 0:
-            u, tangent = vectors
-            tube, *moved = self.in_modes(u, tangent)
+            from pearlbvp.tube.symmetry import ODD_X
+
+            tube, *moved = self.in_modes(*vectors)
             odd = ODD_X if block.parity == "odd" else 0
             return tube.lift(tube.symmetry.block(block.j, block.n, odd), centre, *moved)
         if block == self.trivial_block:
@@ -295,6 +291,8 @@ class PearlProblem(MembraneProblem):
 
     def in_modes(self, u: Array, tangent: Array) -> tuple[TubeProblem, Array, Array]:
         """Pearls in reduced modes; see ``shapes.pearl_modes``."""
+        from pearlbvp.shapes.pearl_modes import pearls_in_modes  # with the rooms of tubes, which few branches lead to
+
         pearls, (u, tangent) = self.plain(u, tangent)
 
         def along(step: float) -> tuple[Profile, float]:

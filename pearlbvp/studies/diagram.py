@@ -15,13 +15,12 @@ from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, choice, finite, mode_list, whole
 from pearlbvp.studies.branch import branch_options, family_branch, known_options, shown
 from pearlbvp.studies.dispersion import branch_points
-from pearlbvp.studies.onward import switched
+from pearlbvp.studies.onward import Centre, switched
 from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pearlbvp.shapes.pearl import Centre
 
 MIXED = "mixed"
 """What branches off from rings, coils and buckles, and from that again."""
