@@ -62,7 +62,8 @@ def switch(file: Path, number: int, centre: Any, shrink: bool, **how: Any) -> in
     """Follow the branch that crosses a saved one at its K-th branch point (bp).
 
     Columns and exit status are those of `branch`. Of rings, coils and buckles the new branch is followed in reduced modes, as
-    long as sections are star-shaped; of meshes on meshes, where two branch points in a row (bp,bp) lead to one branch.
+    long as sections are star-shaped, and of pearls where it is not axisymmetric; of meshes on meshes, where two branch
+    points in a row (bp,bp) lead to one branch.
     """
     from pearlbvp.studies.onward import switched
 

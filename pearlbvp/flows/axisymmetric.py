@@ -123,7 +123,7 @@ class GraphFlow:
     steepest: float = 20.0
 
     def __post_init__(self) -> None:
-        check_law(self.law, diffusion=True)
+        check_law(self.law)
         if self.points % 2 or not 8 <= self.points <= MOST_POINTS:
             raise InputError(f"points: {self.points} is no even number from 8 to {MOST_POINTS}")
 

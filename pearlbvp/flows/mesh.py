@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -23,10 +23,11 @@ from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.factorization import factorized
 from pearlbvp.flows.problem import Law, Trouble, check_law
+from pearlbvp.flows.spectrum import growth_rates
 from pearlbvp.held import Held
 from pearlbvp.last import Last
 from pearlbvp.mesh.functional import Functional, Kind, Sums
-from pearlbvp.mesh.operators import vertex_normals
+from pearlbvp.mesh.operators import barycentric_mass, stiffness, vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.sections import distances, radii
@@ -36,6 +37,9 @@ from pearlbvp.units import Sentence
 
 UNRESOLVED = 0.45
 """Radius of a neck by the length of its longest edges at which a flow ends; at 0.4 a limit surface's control mesh closes."""
+
+MOST_NODES = 4000
+"""Vertices of an ``H^-1`` flow, whose matrices are dense."""
 
 
 def mesh_flow(
@@ -91,6 +95,39 @@ class _Shape:
         """Of the surface at its vertices, shape (V, 3)."""
         return vertex_normals(self.surface)
 
+    @cached_property
+    def lifting(self) -> sparse.csc_matrix:
+        """Normal displacements of the surface at its vertices, by displacements of the vertices, shape (V, V)."""
+        matrix, directions = self.reference.functional.point_matrix, self.reference.directions
+        parts = (sparse.diags(self.normals[:, x]) @ matrix @ sparse.diags(directions[:, x]) for x in range(3))
+        return sum(parts).tocsc()
+
+    @cached_property
+    def _shares(self) -> Array:
+        """Areas of the surface at its vertices."""
+        return barycentric_mass(self.surface)
+
+    @cached_property
+    def _laplacian(self) -> Any:
+        """The stiffness bordered by the mean, factorized."""
+        a = self._shares[:, None]
+        return splu(sparse.bmat([[stiffness(self.surface), a], [a.T, None]]).tocsc())
+
+    def spread(self, rate: Array) -> Array:
+        """The ``H^-1`` metric on rates, shape (V,) or (V, s): means of the potential ``g`` with ``-Lap g = V_t``.
+
+        Linear finite elements on the surface, areas lumped. ``g`` has the mean of ``V_t``, which is 0 at fixed volume.
+        """
+        speeds = (self._shares * (self.lifting @ rate).T).T
+        found = self._laplacian.solve(np.concatenate((speeds, np.zeros_like(speeds[:1]))))
+        return np.asarray(self.lifting.T @ (self._shares * (found[:-1] + found[-1]).T).T)
+
+    @cached_property
+    def diffusion(self) -> Array:
+        """That metric, shape (V, V)."""
+        metric = self.spread(np.eye(len(self.q)))
+        return (metric + metric.T) / 2
+
 
 @dataclass(frozen=True, eq=False)
 class MeshFlow:
@@ -98,7 +135,7 @@ class MeshFlow:
 
     Attributes:
         reference: its mesh, discretization, and how it is adapted.
-        law: what the flow keeps: area and volume, or the area.
+        law: what the flow keeps: area and volume, in ``L^2`` or in ``H^-1``, or the area.
         pressure: the given ``lambda2`` where the law keeps the area alone.
 
     Raises:
@@ -113,6 +150,11 @@ class MeshFlow:
 
     def __post_init__(self) -> None:
         check_law(self.law)
+        if self.law == "diffusion" and self.reference.mesh.count > MOST_NODES:
+            count = self.reference.mesh.count
+            raise InputError(
+                f"nodes: the H^-1 flow of {count} vertices takes too large matrices; stay below {MOST_NODES}"
+            )
 
     @property
     def length(self) -> float:
@@ -149,7 +191,7 @@ class MeshFlow:
         return np.concatenate((q, [multipliers[0], self._lambda2(multipliers), 0.0]))
 
     def _lambda2(self, multipliers: Array) -> float:
-        return float(multipliers[1]) if self.law == "area and volume" else self.pressure
+        return float(multipliers[1]) if self.law != "area" else self.pressure
 
     def residual(self, q: Array, rate: Array, multipliers: Array) -> Array:
         """``M q_t + grad F``."""
@@ -159,24 +201,29 @@ class MeshFlow:
             return np.full_like(q, np.nan)
         by_energy, by_area, by_volume = self._sums(q).gradients
         force = by_energy + multipliers[0] * by_area + self._lambda2(multipliers) * by_volume
+        if self.law == "diffusion":
+            return (force + self._at(q).spread(rate)) / self.unit
         return (
             force + self.reference.functional.mass_times(self.vertices(q), self.reference.directions, rate)
         ) / self.unit
 
-    def _mass(self, q: Array) -> sparse.csc_matrix:
-        return self._at(q).mass
+    def _mass(self, q: Array) -> Any:
+        return self._at(q).diffusion if self.law == "diffusion" else self._at(q).mass
 
-    def metric(self, q: Array) -> sparse.csc_matrix:
-        """``M``: mean products of normal displacements."""
+    def metric(self, q: Array) -> Any:
+        """``M``: mean products of normal displacements; dense in the ``H^-1`` flow, of their potentials' gradients."""
         return self._mass(q) / self.unit
 
-    def jacobian(self, q: Array, rate: Array, multipliers: Array, factor: float) -> sparse.csc_matrix:
+    def jacobian(self, q: Array, rate: Array, multipliers: Array, factor: float) -> Any:
         """Second variation and ``factor`` times the metric, whose own change with the shape is left out.
 
         That change is of the size of the rate, beside a factor that is the inverse of the time step: it costs Newton's
         method a part of its order, not of its result.
         """
-        return ((self._second(q, multipliers) + factor * self._mass(q)) / self.unit).tocsc()
+        second = self._second(q, multipliers)
+        if self.law == "diffusion":
+            return (second.toarray() + factor * self._mass(q)) / self.unit
+        return ((second + factor * self._mass(q)) / self.unit).tocsc()
 
     def _second(self, q: Array, multipliers: Array) -> sparse.csc_matrix:
         """Second variation of ``F``."""
@@ -190,21 +237,15 @@ class MeshFlow:
     def constraints(self, q: Array) -> Array:
         """Area, or area and volume, by the straight tube's area."""
         _, area, volume = self._sums(q).values / self.unit
-        return np.array([area, volume] if self.law == "area and volume" else [area])
+        return np.array([area, volume] if self.law != "area" else [area])
 
     def constraint_rows(self, q: Array) -> Array:
         """Their derivatives."""
-        return np.asarray(self._sums(q).gradients[1 : 3 if self.law == "area and volume" else 2] / self.unit)
-
-    def _lifting(self, q: Array) -> sparse.csc_matrix:
-        """Normal displacements of the surface at its vertices, by displacements of the vertices, shape (V, V)."""
-        normals, directions = self._at(q).normals, self.reference.directions
-        matrix = self.reference.functional.point_matrix
-        return sum(sparse.diags(normals[:, x]) @ matrix @ sparse.diags(directions[:, x]) for x in range(3)).tocsc()
+        return np.asarray(self._sums(q).gradients[1 : 2 if self.law == "area" else 3] / self.unit)
 
     def moved_by(self, q: Array, speed: Array) -> Array:
         """The rate at which the surface has given normal speeds at its vertices."""
-        return np.asarray(splu(self._lifting(q)).solve(speed))
+        return np.asarray(splu(self._at(q).lifting).solve(speed))
 
     def velocity(self, q: Array, rate: Array) -> Array:
         """Outward normal velocity of the surface at its vertices."""
@@ -218,11 +259,14 @@ class MeshFlow:
 
     def resistance(self, q: Array, force: Array) -> Array:
         """The metric's inverse on a force."""
-        return np.asarray(factorized(self.metric(q)).solve(force))
+        metric = self.metric(q)
+        return np.asarray(
+            np.linalg.solve(metric, force) if self.law == "diffusion" else factorized(metric).solve(force)
+        )
 
     def equilibrium(self, q: Array, multipliers: Array) -> tuple[MeshFlow, Array]:
-        """This problem itself."""
-        return self, multipliers
+        """This problem, or instead of the ``H^-1`` flow the one in ``L^2``, whose matrices are sparse."""
+        return (replace(self, law="area and volume") if self.law == "diffusion" else self), multipliers
 
     def kernels(self, q: Array, multipliers: Array) -> Array:
         """Rates of the rigid motions that move the surface along its normals.
@@ -236,6 +280,9 @@ class MeshFlow:
 
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Largest growth rates of all displacements of the vertices; see ``MeshProblem.modes``."""
+        if self.law == "diffusion":
+            second, motions = self._second(q, multipliers).toarray(), self.kernels(q, multipliers)
+            return growth_rates(second / self.unit, self.metric(q), self.constraint_rows(q), motions, count)
         rates, vectors, _ = self.reference.modes(self._unknown(q, multipliers), count)
         return rates[:count], vectors[:, :count]
 

@@ -16,20 +16,19 @@ from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 
 Law = Literal["area and volume", "area", "diffusion"]
-"""What the flow keeps: area and volume; the area alone, at given pressure difference; or the area in the ``H^-1`` flow
-``V_t = -Lap G``, which keeps the volume by itself (paper, §6)."""
+"""What the flow keeps: area and volume; the area alone, at given pressure difference; or both in the ``H^-1`` flow
+``V_t = -Lap G``, which keeps the volume by itself (paper, §6). Graphs do so exactly; of tubes and meshes a multiplier sees to
+it, which is that of the equilibria."""
 
 
-def check_law(law: str, diffusion: bool = False) -> None:
-    """Refuse what is no law, or one that a discretization does not have.
+def check_law(law: str) -> None:
+    """Refuse what is no law.
 
     Raises:
-        InputError: the law, and which to choose.
+        InputError: which to choose.
     """
     if law not in get_args(Law):
         raise InputError(f"law: {law!r} is none of {', '.join(get_args(Law))}")
-    if law == "diffusion" and not diffusion:
-        raise InputError("law: the H^-1 flow is built for axisymmetric shapes; choose 'area and volume' or 'area'")
 
 
 class Trouble(NamedTuple):

@@ -16,6 +16,7 @@ from itertools import product
 from typing import Any, get_args
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
@@ -44,7 +45,7 @@ class TubeFlow:
     Attributes:
         c0, length: the tube's.
         size: largest wave numbers along and around.
-        law: what the flow keeps: area and volume, or the area.
+        law: what the flow keeps: area and volume, in ``L^2`` or in ``H^-1``, or the area.
         pressure: the given ``lambda2`` where the law keeps the area alone.
 
     Raises:
@@ -150,11 +151,11 @@ class TubeFlow:
         return Equilibrium(self.cell, fields, 0.0, self.c0, float(multipliers[0]), self._lambda2(multipliers))
 
     def _shape(self, q: Array) -> Equilibrium:
-        """The same for areas, volumes and normal displacements alone, without what only the energy needs."""
+        """The same for areas, volumes and normal displacements alone, without what only the energy and gradients need."""
         return Equilibrium(self.cell, self.waves.state(self.cell, q, range(4)), 0.0, self.c0, 0.0, 0.0)
 
     def _lambda2(self, multipliers: Array) -> float:
-        return float(multipliers[1]) if self.law == "area and volume" else self.pressure
+        return float(multipliers[1]) if self.law != "area" else self.pressure
 
     def _motion(self, tube: Equilibrium, rate: Array) -> tuple[Array, Array]:
         """Displacements in the plane, shape (2, K), and the outward normal velocity, shape (K,)."""
@@ -166,11 +167,30 @@ class TubeFlow:
         return self.waves.pushed(self.cell, self.cell.transform(tube.outward * speed))
 
     def residual(self, q: Array, rate: Array, multipliers: Array) -> Array:
-        """``M q_t + grad F``: the mean of ``V_t`` times each mode's normal displacement, plus the gradient."""
+        """``M q_t + grad F``: the mean of ``V_t`` times each mode's normal displacement, plus the gradient.
+
+        In the ``H^-1`` flow the mean of the potential ``g`` with ``-Lap g = V_t`` in place of ``V_t``.
+        """
         tube = self._tube(q, multipliers)
         if _pinched(tube):
             return np.full_like(q, np.nan)
-        return self._force(tube, self._motion(tube, rate)[1]) + tube.force(self.waves)
+        moved = self._force(tube, self._motion(tube, rate)[1])
+        if self.law == "diffusion":
+            moved = self._force(tube, self._motion(tube, self._potential(tube, moved))[1])
+        return moved + tube.force(self.waves)
+
+    def _potential(self, tube: Equilibrium, moved: Array) -> Array:
+        """Normal displacements ``g`` with ``-Lap g = V_t``, as a rate is, of the means of ``V_t`` times those of the modes.
+
+        By Galerkin's method. Constants, which the Laplacian does not see, are told by the mean of ``g``: it is that of ``V_t``,
+        0 at fixed volume.
+        """
+        by_volume = tube.constraints(self.waves)[1]
+        return np.asarray(cho_solve(cho_factor(tube.stiffness(self.waves) + np.outer(by_volume, by_volume)), moved))
+
+    def _metric(self, tube: Equilibrium) -> Array:
+        mass = tube.mass(self.waves)
+        return mass @ self._potential(tube, mass) if self.law == "diffusion" else mass
 
     def _drag(self, tube: Equilibrium, rate: Array, factor: float) -> MatrixTransform:
         """Second derivatives of the drag: by displacements, ``factor`` times, and by a displacement and a field."""
@@ -186,9 +206,11 @@ class TubeFlow:
         return matrix_transform(self.cell, weights, IMAGINARY_DRAGS)
 
     def jacobian(self, q: Array, rate: Array, multipliers: Array, factor: float) -> Array:
-        """Exact derivative of ``residual``."""
+        """Exact derivative of ``residual``; in the ``H^-1`` flow without the metric's own change, as ``flows.mesh`` has it."""
         tube = self._tube(q, multipliers)
         matrix = tube.hessian(self.waves)
+        if self.law == "diffusion":
+            return matrix + factor * self._metric(tube)
         if factor or rate.any():
             drag = self._drag(tube, rate, factor)
             matrix += self.waves.waves.dragging(self.cell, drag, Families.of(self.waves))[0]
@@ -202,20 +224,21 @@ class TubeFlow:
         """Area, or area and volume, of the straight tube's area."""
         tube = self._shape(q)
         area = np.nan if _pinched(tube) else tube.area
-        return np.array([area, tube.volume] if self.law == "area and volume" else [area])
+        return np.array([area, tube.volume] if self.law != "area" else [area])
 
     def constraint_rows(self, q: Array) -> Array:
         """Their derivatives."""
         rows = self._shape(q).constraints(self.waves)
-        return np.array(rows if self.law == "area and volume" else rows[:1])
+        return np.array(rows if self.law != "area" else rows[:1])
 
     def metric(self, q: Array) -> Array:
-        """Mean products of normal displacements."""
-        return self._shape(q).mass(self.waves)
+        """Mean products of normal displacements, or in the ``H^-1`` flow of their potentials' gradients."""
+        return self._metric(self._tube(q, np.zeros(2)))
 
     def moved_by(self, q: Array, speed: Array) -> Array:
         """The rate whose normal velocity is nearest to given speeds, in ``L^2`` of the surface."""
-        return self.resistance(q, self._force(self._shape(q), speed))
+        shape = self._shape(q)
+        return np.asarray(np.linalg.solve(shape.mass(self.waves), self._force(shape, speed)))
 
     def velocity(self, q: Array, rate: Array) -> Array:
         """Outward normal velocity at the grid's points."""
@@ -241,8 +264,10 @@ class TubeFlow:
 
     def growth_rates(self, q: Array, multipliers: Array, count: int = 6) -> tuple[Array, Array]:
         """Growth rates of all perturbations in these modes."""
-        ((second, mass),) = self._tube(q, multipliers).second_variations(self.waves)
-        return growth_rates(second, mass, self.constraint_rows(q), self.kernels(q, multipliers), count)
+        tube = self._tube(q, multipliers)
+        return growth_rates(
+            tube.hessian(self.waves), self._metric(tube), self.constraint_rows(q), self.kernels(q, multipliers), count
+        )
 
     def observables(self, q: Array, multipliers: Array) -> dict[str, float]:
         """Energy by area, multipliers, reduced volume; radii are measured from the sections' centres."""

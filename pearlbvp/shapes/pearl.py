@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from pearlbvp.arrays import Array
 from pearlbvp.collocation import Discretization, PiecewisePolynomial, gauss_scheme
 from pearlbvp.collocation.mesh import equidistribute, error_estimate, intervals_for
 from pearlbvp.collocation.polynomial import extremes
-from pearlbvp.continuation.problem import LiftError
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.held import AREA_AND_VOLUME, Held, known_held
@@ -32,13 +31,13 @@ from pearlbvp.stability.profile import Profile
 from pearlbvp.stability.spectrum import Block, block_rates, spectrum
 from pearlbvp.units import Sentence
 
-Centre = Literal["pearl", "neck"]
+if TYPE_CHECKING:
+    from pearlbvp.tube.problem import TubeProblem
 
 ENTER_LARGE, LEAVE_LARGE = 12.0, 6.0
 """``|lambda1|`` above which a half cell changes to the chart of large multipliers, and below which it changes back.
 
 Of short pearls times the square of their wave number, which is the size of their multipliers."""
-
 
 THINNEST_NECK = 4e-3
 """Radius of the neck at which a branch of pearls ends: beyond, rounding spoils the count of unstable waves."""
@@ -188,15 +187,9 @@ class PearlProblem(MembraneProblem):
         """The shape, for ``stability`` and pictures."""
         d = self.discretization
         values, p = self.multipliers(d.values(u), d.all_parameters(u))
-        return Profile(
-            states=PiecewisePolynomial(d.mesh, values),
-            arclength=float(p[0]),
-            half=self.half,
-            c0=float(p[3]),
-            lambda1=float(p[1]),
-            lambda2=float(p[2]),
-            period=float(p[4]) * (2 if self.half else 1),
-        )
+        arclength, lambda1, lambda2, c0, length = map(float, p[:5])
+        states, period = PiecewisePolynomial(d.mesh, values), length * (2 if self.half else 1)
+        return Profile(states, arclength, self.half, c0, lambda1, lambda2, period)
 
     @property
     def trivial_block(self) -> Block:
@@ -216,10 +209,8 @@ class PearlProblem(MembraneProblem):
     @property
     def varying(self) -> tuple[str, ...]:
         """What varies on the branch of what perturbations may keep."""
-        names = {
-            "mean": "lambda2",
-            "length": "L",
-        }  # the large-multiplier chart has lambda2 by way of the mean curvature
+        # The chart of large multipliers has lambda2 by way of the mean curvature.
+        names = {"mean": "lambda2", "length": "L"}
         return tuple(names.get(name, name) for name in self.free)
 
     def spectrum(self, u: Array) -> Spectrum:
@@ -273,19 +264,23 @@ class PearlProblem(MembraneProblem):
             return f"the neck is thinner than {THINNEST_NECK:g} radii: the surface is about to touch its axis"
         return None
 
-    def lift(self, block: Block, centre: str, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
+    def lift(self, block: Block, centre: str, *vectors: Array) -> tuple[PearlProblem | TubeProblem, list[Array]]:
         """The problem in whose space the perturbations of a block live, and vectors moved into it.
 
         Args:
-            block: an axisymmetric block of this problem.
+            block: of this problem's; where it breaks the symmetry about the axis, the space is one of reduced modes.
             centre: what the new plane of reflection passes through, where the block leaves the choice.
-            vectors: solutions or tangents of this problem.
+            vectors: solutions or tangents of this problem; a solution and its tangent for reduced modes.
 
         Raises:
-            LiftError: the block's perturbations are not axisymmetric.
+            LiftError: the profile is no graph over its axis, as reduced modes need it.
         """
         if block.n != 0:
-            raise LiftError(f"shapes with n = {block.n} branch off, which are no pearls")
+            from pearlbvp.tube.symmetry import ODD_X
+
+            tube, *moved = self.in_modes(*vectors)
+            odd = ODD_X if block.parity == "odd" else 0
+            return tube.lift(tube.symmetry.block(block.j, block.n, odd), centre, *moved)
         if block == self.trivial_block:
             return self, list(vectors)
         if block.j == 0:
@@ -293,6 +288,18 @@ class PearlProblem(MembraneProblem):
         if block.parity is not None:  # a wave that changes sign from cell to cell is even about either pearl or neck
             centre = "pearl" if block.parity == "even" else "neck"
         return self.repeated(block.cells // math.gcd(block.j, block.cells), centre, *vectors)
+
+    def in_modes(self, u: Array, tangent: Array) -> tuple[TubeProblem, Array, Array]:
+        """Pearls in reduced modes; see ``shapes.pearl_modes``."""
+        from pearlbvp.shapes.pearl_modes import pearls_in_modes  # with the rooms of tubes, which few branches lead to
+
+        pearls, (u, tangent) = self.plain(u, tangent)
+
+        def along(step: float) -> tuple[Profile, float]:
+            moved = u + step * tangent
+            return pearls.profile(moved), float(pearls.discretization.all_parameters(moved)[5])
+
+        return pearls_in_modes(along, self.cells, pearls.free, self.held)
 
     def whole_cell(self, *vectors: Array) -> tuple[PearlProblem, list[Array]]:
         """The full-cell problem around a solution, the first of some vectors, which is the reference of its phase."""
@@ -368,14 +375,8 @@ class PearlProblem(MembraneProblem):
         wave_number = float(tree["wave_number"])
         weights = weights_of(wave_number, bool(tree["in_large_chart"]))
         discretization = Discretization(problem, scheme, tree["mesh"], tree["parameters"], free, weights)
-        return cls(
-            discretization,
-            reference,
-            float(tree["tolerance"]),
-            int(tree["cells"]),
-            known_held(tree["held"]),
-            wave_number,
-        )
+        tolerance, cells, held = float(tree["tolerance"]), int(tree["cells"]), known_held(tree["held"])
+        return cls(discretization, reference, tolerance, cells, held, wave_number)
 
     def axial_force_spread(self, u: Array) -> float:
         """Largest minus smallest axial force at the mesh points: zero on an exact solution, a free error measure."""

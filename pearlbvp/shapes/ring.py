@@ -17,19 +17,19 @@ from numpy.typing import NDArray
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import Discretization, equidistribute, error_estimate, gauss_scheme, intervals_for
 from pearlbvp.collocation.polynomial import all_points
-from pearlbvp.continuation.path import correct_at
+from pearlbvp.continuation.problem import LiftError
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import InputError, SpectrumError
 from pearlbvp.held import AREA_AND_VOLUME, Held, known_held
 from pearlbvp.helfrich import Tube, WaveNumbers
 from pearlbvp.membrane import AROUND, Family, Grid, MembraneProblem, Start, Surface, checked_tolerance, of_sections
-from pearlbvp.newton import NewtonOptions
 from pearlbvp.projection import of_section
 from pearlbvp.representation import brief
 from pearlbvp.roots import root
 from pearlbvp.shapes.lobe import HALF_LOBE
 from pearlbvp.stability.planar import PlanarBlock, PlaneProfile, planar_rates, planar_spectrum
 from pearlbvp.theory.elastica import lobes
+from pearlbvp.tube.conversion import in_modes
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.tube.symmetry import ODD_PHI, ring_symmetry
@@ -257,28 +257,23 @@ class RingProblem(MembraneProblem):
 
         Raises:
             InputError: its section is not star-shaped about its centre.
+            LiftError: Newton's method finds none there.
         """
-        lambda1, lambda2 = self._multipliers(u)
-        v = float(u[-1])
-        problem = TubeProblem(ring_symmetry(self.n), self.c0, self.length, (0, 8), held=self.held)
-        while True:
-            try:
-                radii = self.radius_cosines(u, problem.size[1] + 1)
-            except ValueError:
-                raise InputError(
-                    f"switch: at v = {v:.4f} the ring is not star-shaped about its centre, as tubes need it"
-                ) from None
-            known = {Mode("sigma", 0, "cos", self.n * i): float(a) for i, a in enumerate(radii)}
-            guess = np.append(problem.packed(known), [lambda1, lambda2, v])
-            moved = problem.remesh(guess)
-            if moved is None:
-                break
-            problem = moved[0]
-        result, direction = correct_at(problem, guess, NewtonOptions(max_iterations=10))
-        if not result.converged:
-            raise InputError(f"switch: the ring at v = {v:.4f} could not be taken over ({result.message})")
-        direction *= np.sign(tangent[-1])  # v is the last unknown of both
-        return problem, result.u, direction / np.sqrt(problem.inner(direction, direction))
+
+        def shape(step: float, count: int) -> tuple[dict[Mode, float], dict[str, float]]:
+            moved = u + step * tangent
+            (lambda1, lambda2), cosines = self._multipliers(moved), self.radius_cosines(moved, count)
+            known = {Mode("sigma", 0, "cos", self.n * i): float(a) for i, a in enumerate(cosines)}
+            return known, {"lambda1": lambda1, "lambda2": lambda2, "v": float(moved[-1])}
+
+        try:
+            return in_modes(TubeProblem(ring_symmetry(self.n), self.c0, self.length, (0, 8), held=self.held), shape)
+        except ValueError as error:
+            if isinstance(error, LiftError):
+                raise
+            raise InputError(
+                f"switch: at v = {u[-1]:.4f} the ring is not star-shaped about its centre, as tubes need it"
+            ) from None
 
     def radius_cosines(self, u: Array, count: int) -> Array:
         """Fourier coefficients of the radius over the polar angle: ``r = sum of coefficient[b] cos(b n phi)``.

@@ -8,6 +8,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import PiecewisePolynomial
+from pearlbvp.errors import InputError
 from pearlbvp.membrane import Surface
 from pearlbvp.projection import Projection
 from pearlbvp.representation import brief
@@ -53,6 +54,32 @@ class Profile:
         whole = self.mirrored()
         slopes = PiecewisePolynomial(whole.states.mesh, np.cos(whole.states.values[:, 1:2]))
         return whole.arclength * slopes.integral()[:, 0], whole.states.values[:, 0]
+
+    @property
+    def is_graph(self) -> bool:
+        """Whether its radius is a function of the axial position: it overhangs nowhere."""
+        return bool(np.cos(self.states.values[:, 1]).min() > 0)
+
+    def radii_at(self, x: Array) -> Array:
+        """Radius at axial positions counted from the first point, shape of ``x``.
+
+        Raises:
+            InputError: the profile overhangs.
+        """
+        if not self.is_graph:
+            raise InputError(
+                "point: its shape overhangs, so it is no graph over its axis; choose one nearer to the cylinder"
+            )
+        whole, (places, _) = self.mirrored(), self.outline()
+        along = PiecewisePolynomial(whole.states.mesh, places[:, None])
+        targets = np.mod(x, self.period)
+        sigma = np.interp(targets, places, whole.states.points)
+        for _ in range(30):
+            step = (along(sigma)[:, 0] - targets) / (whole.arclength * np.cos(whole.states(sigma)[:, 1]))
+            sigma = np.clip(sigma - step, 0.0, 1.0)
+            if np.abs(step).max() < 1e-14:
+                break
+        return whole.states(sigma)[:, 0]
 
     def projection(self) -> Projection:
         """The whole period over the straight tube."""

@@ -15,13 +15,12 @@ from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, choice, finite, mode_list, whole
 from pearlbvp.studies.branch import branch_options, family_branch, known_options, shown
 from pearlbvp.studies.dispersion import branch_points
-from pearlbvp.studies.onward import switched
+from pearlbvp.studies.onward import Centre, switched
 from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pearlbvp.shapes.pearl import Centre
 
 MIXED = "mixed"
 """What branches off from rings, coils and buckles, and from that again."""
@@ -133,8 +132,8 @@ def diagram(
         refused: of a branch and a branch point on it, why what crosses there is not to be followed; empty where it is.
 
     Returns:
-        The branches. A branch point that was not located, at which pearls lose their axial symmetry, or coils of ``n > 1``
-        begin, is skipped, and so is a branch that has been found before (it joins the same two solutions).
+        The branches. A branch point that was not located is skipped, and so is a branch that has been found before (it joins
+        the same two solutions).
 
     Raises:
         InputError: an argument that cannot be used.
@@ -174,8 +173,9 @@ def diagram(
                 skipped[name] = f"it is the branch {twin}"
                 continue
             branches[name] = branch
-            kept = wanted["pearl"] if branch.points[-1].problem.family == "pearl" else wanted[MIXED]
+            axisymmetric = branch.points[-1].problem.family == "pearl"
             for child, number, special, centre in _children(name, branch):
+                kept = wanted["pearl" if axisymmetric and special.block.n == 0 else MIXED]
                 if why := refused(branch, special):
                     skipped[child] = why
                 else:

@@ -9,7 +9,6 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.flows.axisymmetric import GraphFlow
@@ -22,7 +21,6 @@ from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, finite
 from pearlbvp.representation import brief
 from pearlbvp.shapes.pearl import PearlProblem
-from pearlbvp.stability.profile import Profile
 from pearlbvp.tube.problem import TubeProblem
 
 UNLIKE = 1e-5
@@ -81,28 +79,6 @@ class FlowStart:
         return flow(self.problem, q, options)
 
 
-def radii_at(profile: Profile, x: Array) -> Array:
-    """Radius of a profile that is a graph over its axis, at axial positions counted from its first point.
-
-    Raises:
-        InputError: the profile overhangs.
-    """
-    whole = profile.mirrored()
-    if np.cos(whole.states.values[:, 1]).min() <= 0:
-        raise InputError(
-            "point: its shape overhangs, so it is no graph over its axis; choose one nearer to the cylinder"
-        )
-    along = PiecewisePolynomial(whole.states.mesh, profile.outline()[0][:, None])
-    targets = np.mod(x, profile.period)
-    sigma = np.interp(targets, profile.outline()[0], whole.states.points)
-    for _ in range(30):
-        step = (along(sigma)[:, 0] - targets) / (whole.arclength * np.cos(whole.states(sigma)[:, 1]))
-        sigma = np.clip(sigma - step, 0.0, 1.0)
-        if np.abs(step).max() < 1e-14:
-            break
-    return whole.states(sigma)[:, 0]
-
-
 def pearl_start(problem: PearlProblem, u: Array, *, points: int = 128, law: Law = "area and volume") -> FlowStart:
     """Pearls of a branch, on the whole tube, as a graph that can flow; the first point of the profile is at ``x = 0``.
 
@@ -118,7 +94,7 @@ def pearl_start(problem: PearlProblem, u: Array, *, points: int = 128, law: Law 
     graph = GraphFlow(found["c0"], found["L"], points, law, found["lambda2"] if law == "area" else 0.0)
     profile = problem.profile(u)
     while True:
-        q = graph.coordinates(radii_at(profile, graph.x))
+        q = graph.coordinates(profile.radii_at(graph.x))
         if graph.resolution(q) < graph.wanted_resolution:
             break
         finer = graph.refined(q)
@@ -189,11 +165,11 @@ def pearl_tube_start(
     found = problem.observables(u)
     tube = TubeFlow(found["c0"], found["L"], size, law, found["lambda2"] if law == "area" else 0.0)
     x = (np.arange(16 * size[0]) / (16 * size[0]) - 0.5) * tube.length
-    return _settled(tube, tube.of_radii(x, radii_at(problem.profile(u), x)), found)
+    return _settled(tube, tube.of_radii(x, problem.profile(u).radii_at(x)), found)
 
 
 def _settled(tube: TubeFlow, q: Array, found: Mapping[str, float]) -> FlowStart:
-    kept = np.array([1.0, found["v"] / 2])[: 2 if tube.law == "area and volume" else 1]
+    kept = np.array([1.0, found["v"] / 2])[: 1 if tube.law == "area" else 2]
     multipliers = np.array([found["lambda1"], found["lambda2"]])[: len(kept)]
     if found["amplitude"] < SMALLEST_AMPLITUDE:  # the straight tube is exact, and Newton's method singular there
         return FlowStart(tube, q, multipliers)

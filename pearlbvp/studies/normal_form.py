@@ -16,8 +16,9 @@ from pearlbvp.continuation.branch import Branch, SpecialPoint
 from pearlbvp.continuation.normal_form import NormalForm, at_zero, normal_form
 from pearlbvp.continuation.path import correct
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.shapes.pearl import Centre, PearlProblem
+from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.branch import known_branch
+from pearlbvp.studies.onward import Centre
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -235,7 +235,7 @@ def switched(
         grow: follow the half of a pitchfork on which the tube grows at its centre, or the largest new mode grows.
 
     Returns:
-        Of rings, too, shapes in reduced modes: waves along the tube on the wrinkles.
+        Of rings, and of pearls where the new shapes are not axisymmetric, shapes in reduced modes.
 
     Raises:
         InputError: there is no such branch point, it was not located, or its new shapes cannot be followed.
@@ -262,7 +262,7 @@ def _on_a_mesh(branch: Branch[Any], special: SpecialPoint) -> str:
     if start.observables["amplitude"] > 1e-6:
         return (
             "; a mesh may follow them, in Python: studies.mesh.branch_from(*meshed(branch.points[k], 1000), options) "
-            "goes on from these pearls, and mesh_switched leaves it"
+            "goes on from these pearls, and studies.onward.switched leaves it"
         )
     pearls = round(place["L"] / start.problem.profile(start.u).period)
     return Sentence(

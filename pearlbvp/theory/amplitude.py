@@ -122,7 +122,7 @@ class AmplitudeEquation:
 
     Raises:
         InputError: on construction: the mode is no bifurcation, or a wave that it excites is critical at the same
-            ``lambda2`` (for pearls of ``m`` and ``2m`` waves ``theory.resonance`` has the equations of both).
+            ``lambda2`` (of pearls ``theory.resonance`` has the equations of both, of coils ``theory.meeting``).
     """
 
     tube: Tube

@@ -65,9 +65,17 @@ class StandardPosition:
             return "cylinder"
         if s.onset_mode is None:
             return "mixed"
+        if s.is_coil:
+            return "coil" if s.turns or self._is_helical else "mixed"
         if s.period == 0:
-            return "coil" if s.turns else "ring"
+            return "ring"
         return "buckle" if s.fold else "pearl"
+
+    @property
+    def _is_helical(self) -> bool:
+        """Whether all waves are functions of one angle across the axis: their numbers are multiples of those of one."""
+        shape = _shape(TorusFunction.of(self.known))
+        return not np.any(np.outer(shape.p, shape.b) - np.outer(shape.b, shape.p))
 
     @property
     def handedness(self) -> int:

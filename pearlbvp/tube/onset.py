@@ -37,21 +37,21 @@ def onset(
     """
     equation = amplitude_equation(tube, (m, n))
     equation.cubic(family)  # refuses a family that does not branch off there
-    if family == "coil" and n > 1:
-        raise InputError(f"mode: coils with n = {n} are not built; give n = 1, or a buckle of that mode")
     symmetry = {
         "pearl": lambda: pearl_symmetry(m),
         "ring": lambda: ring_symmetry(n),
-        "coil": lambda: coil_symmetry(m),
+        "coil": lambda: coil_symmetry(m, n),
         "buckle": lambda: buckle_symmetry(m, n),
     }[family]()
-    sizes = {"pearl": (16, 0), "ring": (0, 16), "coil": (0, 16), "buckle": (10, 10)}
-    tolerance = PLANE_TOLERANCE if family == "buckle" else TubeProblem.tolerance
+    sizes = {"pearl": (16, 0), "ring": (0, 16), "coil": (10, 10) if symmetry.period else (0, 16), "buckle": (10, 10)}
+    tolerance = PLANE_TOLERANCE if symmetry.period and symmetry.fold else TubeProblem.tolerance
     problem = TubeProblem(symmetry, tube.c0, tube.length, size or sizes[family], tolerance=tolerance, held=held)
     u, direction = np.zeros(len(problem.modes) + 3), np.zeros(len(problem.modes) + 3)
     u[problem.modes.index(Mode("sigma", 0))] = 1.0
     u[-3:] = equation.lambda1, equation.lambda2, 1.0
     direction[problem.modes.index(symmetry.onset_mode)] = 1.0
+    if family == "coil" and symmetry.period:  # cos(m k x - n phi)
+        direction[problem.modes.index(Mode("sigma", m, "sin", n, "sin"))] = 1.0
     return problem, u, direction
 
 

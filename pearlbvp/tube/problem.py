@@ -133,7 +133,7 @@ class TubeProblem(TubeShapes):
             "amplitude": (thick - thin) / 2, "r_min": thin, "r_max": thick, "c0": c0, "L": length,
             "M": 2 * math.pi * length * equilibrium.curvature,
         }  # fmt: skip
-        if self.symmetry.turns:
+        if self.family == "coil":
             observed["torque"] = equilibrium.torque(waves.displacement(self.cell, coefficients))
         return self.completed(observed)
 

@@ -71,7 +71,7 @@ class TubeShapes(MembraneProblem):
     @property
     def family(self) -> str:
         """``coil`` (and what branches off from coils) or ``buckle`` (and all other tubes)."""
-        return "coil" if self.symmetry.turns else "buckle"
+        return "coil" if self.symmetry.turns or self.symmetry.is_coil else "buckle"
 
     def parameters(self, u: Array) -> TubeParameters:
         """Multipliers and parameters of an unknown: its own where they are free, else the problem's."""

@@ -26,6 +26,7 @@ from pearlbvp.held import Held, Quantities, coefficients
 from pearlbvp.representation import brief
 from pearlbvp.tube.density import areas, gradients, hessians
 from pearlbvp.tube.waves import (
+    IMAGINARY_DRAGS,
     IMAGINARY_JETS,
     Cell,
     Families,
@@ -99,6 +100,27 @@ class Equilibrium:
     def mass(self, modes: ModeWaves) -> Array:
         """Matrix of the normal displacement's mean square, shape (N, N)."""
         return modes.waves.moving(self.cell, self._moving, Families.of(modes))[0]
+
+    def stiffness(self, modes: ModeWaves) -> Array:
+        """Matrix of the mean ``|grad N|^2`` of the normal displacements ``N = n . delta P``, shape (N, N).
+
+        ``n = -i b/|g|``, so that ``n_x`` is made of ``q = P_xphi`` and ``n_phi`` of ``s = P_phiphi``; the metric is that of the
+        tangents ``(1, a)`` and ``(0, b)`` of the surface.
+        """
+        (element, slopes), z = self.areas, self.fields
+        normal = self.outward / element
+        rows = np.zeros((2, 6, z.shape[1]))
+        for row, along, turned, place in (
+            (rows[0], z[4:8], z[6:8], slice(2, 4)),
+            (rows[1], z[6:10], z[8:10], slice(4, 6)),
+        ):
+            row[:2] = (np.stack((turned[1], -turned[0])) - normal * (slopes * along).sum(axis=0)) / element
+            row[place] = normal
+        a, b = z[:2], z[2:4]
+        inverse = np.array([[(b * b).sum(0), -(a * b).sum(0)], [-(a * b).sum(0), 1 + (a * a).sum(0)]]) / element
+        weights = np.einsum("iuk,ijk,jvk->kuv", rows, inverse, rows)
+        transform = matrix_transform(self.cell, weights, IMAGINARY_DRAGS)
+        return modes.waves.spreading(self.cell, transform, Families.of(modes))[0]
 
     def second_variations(self, *families: ModeWaves) -> list[tuple[Array, Array]]:
         """Matrices of the second variation and of the normal displacement's mean square, shape (N, N), of each family.

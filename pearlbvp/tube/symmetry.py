@@ -119,11 +119,16 @@ class TubeSymmetry:
         return frozenset(element & PARITIES for element in self.group)
 
     @property
+    def is_coil(self) -> bool:
+        """Whether it is that in which coils leave the straight tube."""
+        m, n = self.period or self.turns * self.fold, self.fold
+        return m > 0 and n > 0 and self == coil_symmetry(m, n)
+
+    @property
     def onset_mode(self) -> Mode | None:
         """The mode in which tubes of this symmetry leave the straight one; None where they do not."""
-        if self not in (
-            ring_symmetry(self.fold), coil_symmetry(self.turns), buckle_symmetry(self.period, self.fold),
-            pearl_symmetry(self.period),
+        if not self.is_coil and self not in (
+            ring_symmetry(self.fold), buckle_symmetry(self.period, self.fold), pearl_symmetry(self.period),
         ):  # fmt: skip
             return None
         return Mode("y", self.period) if self.fold == 1 else Mode("sigma", self.period, "cos", self.fold)
@@ -211,12 +216,16 @@ def ring_symmetry(n: int) -> TubeSymmetry:
     return TubeSymmetry(0, n, 0, frozenset({0, ODD_B}))
 
 
-def coil_symmetry(m: int) -> TubeSymmetry:
-    """Independent of ``x`` in a frame that turns ``m`` times; unchanged by half a turn about an axis across it.
+def coil_symmetry(m: int, n: int = 1) -> TubeSymmetry:
+    """Unchanged by half a turn about an axis across it, as helical tubes ``r(m k x - n phi)`` are.
 
-    The frame's turning is itself odd in ``x`` and in ``phi``.
+    Where their lobes turn whole times on the length, it is independent of ``x`` in a frame that turns as often, whose turning
+    is itself odd in ``x`` and in ``phi``. Else no frame of the tube's own length turns with them, and they are tubes of two
+    dimensions, among others that are not helical.
     """
-    return TubeSymmetry(0, 1, m, frozenset({0, ODD_PHI | ODD_X, ODD_B, ODD_B | ODD_PHI | ODD_X}))
+    if m % n:
+        return TubeSymmetry(m, n, 0, frozenset({0, PARITIES, ODD_P | ODD_B, ODD_P | ODD_B | PARITIES}))
+    return TubeSymmetry(0, n, m // n, frozenset({0, PARITIES, ODD_B, ODD_B | PARITIES}))
 
 
 def buckle_symmetry(m: int, n: int) -> TubeSymmetry:
@@ -227,3 +236,8 @@ def buckle_symmetry(m: int, n: int) -> TubeSymmetry:
 def pearl_symmetry(m: int) -> TubeSymmetry:
     """Independent of ``phi``, even in ``x``."""
     return TubeSymmetry(m, 0, 0, frozenset({0, ODD_P}))
+
+
+def axisymmetric_symmetry(m: int) -> TubeSymmetry:
+    """Independent of ``phi``, without planes of reflection."""
+    return TubeSymmetry(m, 0, 0, frozenset({0, ODD_X, ODD_P, ODD_X | ODD_P}))

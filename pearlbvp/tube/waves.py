@@ -143,9 +143,18 @@ class Waves:
         ``W`` is given as ``matrix_transform`` of 6 x 6 matrices for vectors with the ``IMAGINARY_DRAGS``; what they say of two
         fields is not used. See ``bending``.
         """
+        return self._forms(cell, self.moved, self._moving_fields, transform, families)
+
+    def spreading(self, cell: Cell, transform: MatrixTransform, families: Families) -> list[Array]:
+        """``mean of z . W z'`` of displacements and first four fields ``z`` of each pair of modes; see ``dragging``."""
+        return self._forms(cell, self._moving_fields, self._moving_fields, transform, families)
+
+    @cached_property
+    def _moving_fields(self) -> Array:
+        """Displacement and first four fields, those of ``IMAGINARY_DRAGS`` divided by ``i``; see ``moved``: shape (Q, 2, 6)."""
         first_fields = fields_of_jets(self.kappa)[:4].T * (PHASES_OF_JETS[:, None] / (1j, 1.0, 1j, 1.0)).real
         fields = self.jets[:, :2] @ first_fields  # none of them has the square of b
-        return self._forms(cell, self.moved, np.concatenate((self.moved, fields), axis=2), transform, families)
+        return np.concatenate((self.moved, fields), axis=2)
 
     def _forms(
         self, cell: Cell, left: Array, right: Array, transform: MatrixTransform, families: Families

@@ -7,6 +7,8 @@ import pandas as pd
 import pytest
 from support.commands import is_png, run
 
+from pearlbvp.stability.profile import Profile
+
 DATA = Path(__file__).parents[2] / "data"
 
 
@@ -191,19 +193,38 @@ def test_options_that_a_family_does_not_have(capsys, tmp_path, command, options,
     assert named in err
 
 
-@pytest.mark.parametrize("radius", [1.0, 0.37])
-def test_where_pearls_lose_their_symmetry_about_the_axis_the_command_is_said_that_follows_them_on_a_mesh(
-    capsys, tmp_path, radius
-):
-    """As it stands it follows the same pearls, on a mesh, in the user's unit."""
-    path, unit = tmp_path / "b.h5", [] if radius == 1 else ["--radius", radius]
-    given = ["--c0", repr(0.9 / radius), "--length", repr(12 * radius), *unit]
-    run(capsys, "branch", "pearl", *given, "--until", "v=1.0284", "--save", path)
-    status, _, err = run(capsys, "resume", path, "--max-points", 12, "--save", path, *unit)
+@pytest.fixture
+def bending(capsys, tmp_path, request):
+    """Pearls up to where they bend, in a user's unit: the file, and the options that name the unit."""
+    path, unit = tmp_path / "b.h5", [] if request.param == 1 else ["--radius", request.param]
+    given = ["--c0", repr(0.9 / request.param), "--length", repr(12 * request.param), *unit]
+    status, _, err = run(capsys, "branch", "pearl", *given, "--until", "bp=1", "--save", path)
     assert status == 0, err
+    return path, unit, request.param
+
+
+@pytest.mark.parametrize("bending", [1.0, 0.37], indirect=True)
+def test_branches_that_break_the_symmetry_about_the_axis_leave_pearls(capsys, tmp_path, bending):
+    """What is saved of them is read, goes on, and is the same in every unit."""
+    path, unit, radius = bending
+    status, out, err = run(capsys, "switch", path, 1, "--until", "v=1.02", "--save", path, *unit)
+    assert status == 0, err
+    table = pd.read_csv(io.StringIO(out))
+    assert table["lambda2"].iloc[0] == pytest.approx(-0.19410923 / radius**3, rel=1e-6)
+    assert table["lambda2"].iloc[-1] == pytest.approx(-0.22805 / radius**3, rel=1e-4)
+    status, out, err = run(capsys, "resume", path, "--until", "v=1.015", *unit)
+    assert status == 0, err
+    assert pd.read_csv(io.StringIO(out))["v"].iloc[-1] == pytest.approx(1.015, abs=1e-12)
+
+
+@pytest.mark.parametrize("bending", [1.0, 0.37], indirect=True)
+def test_where_pearls_that_overhang_bend_the_command_is_said_that_follows_them_on_a_mesh(capsys, monkeypatch, bending):
+    """As it stands it follows the same pearls, on a mesh, in the user's unit."""
+    path, unit, radius = bending
+    monkeypatch.setattr(Profile, "is_graph", False)
     status, _, err = run(capsys, "switch", path, 1, *unit)
     assert status == 2
-    assert "n = 1 branch off" in err
+    assert "at branch point 1 the pearls overhang" in err
     assert f"lambda2 = {-0.19410923 / radius**3:.4g}, v = 1.02842" in err
     command = err.split("pearlbvp ")[1].split(" --save")[0].split()
     status, out, err = run(capsys, *command[: command.index("--nodes")], "--nodes", 200, "--max-points", 2)

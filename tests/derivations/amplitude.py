@@ -133,7 +133,7 @@ WAVES: dict[str, tuple[Wave, int]] = {
 """Coiling waves ``(k, n)`` and ``(k, -n)`` with all that their products excite. Pearls have ``n = 0``, wrinkles ``k = 0``,
 and one of the two waves."""
 
-AMPLITUDES = {"A", "B", "C", "A00", "A22", "B22", "A20", "A02", "A3", "C4"}
+AMPLITUDES = {"A", "B", "C", "A00", "A22", "B22", "A20", "A02", "A3", "B3", "C4"}
 
 
 @cache
@@ -210,6 +210,47 @@ def resonant() -> dict[str, Any]:
     return {name: sympy.collect(sympy.expand(value.subs(n, 0)), kappa) for name, value in found.items()}
 
 
+MEETING: dict[str, tuple[Wave, int]] = {
+    "A": ((1, 1), 1), "B": ((1, -1), 1), "C": ((0, 2), 1), "A00": ((0, 0), 2), "A22": ((2, 2), 2), "B22": ((2, -2), 2),
+    "A20": ((2, 0), 2), "A3": ((1, 3), 2), "B3": ((1, -3), 2), "C4": ((0, 4), 2),
+}  # fmt: skip
+"""Coiling waves ``(k, 1)`` and ``(k, -1)`` and wrinkles ``(0, 2)`` with all that their products excite."""
+
+
+@cache
+def meeting() -> dict[str, Any]:
+    """The coefficients of the three equations of coiling waves and wrinkles, real amplitudes, fixed area.
+
+        dA/dt = rate_A A + force B C + A (aa A^2 + ab B^2 + cross C^2),
+        dC/dt = rate_C C + force A B + C (cross A^2 + cross B^2 + cc C^2)
+
+    Returns:
+        Polynomials in ``kappa, c0, lambda2``: ``force``; ``aa, ab, cross`` of the first and ``cross_c, cc`` of the second
+        equation, without slaved waves; ``force13``, what ``A C`` does to the wave ``(k, 3)``.
+    """
+    mean = mean_by_order(MEETING)
+    A, C, A00 = sympy.symbols("A C A00")
+    third, fourth = (mean["energy"][i] + lambda1 * mean["area"][i] + lambda2 * mean["volume"][i] for i in (3, 4))
+    potential = sympy.expand(fourth + alpha2 * mean["area"][2])
+    radius = sympy.solve(mean["area"][2], A00)[0]
+    change = sympy.solve(sympy.diff(potential, A00).subs(A00, radius), alpha2)[0]
+    slaved = dict.fromkeys(("A22", "B22", "A20", "A3", "B3", "C4"), 0)
+    flow_a, flow_c = (
+        sympy.expand((-sympy.diff(potential, s) / 2).subs(A00, radius).subs(alpha2, change).subs(slaved))
+        for s in (A, C)
+    )
+    found = {
+        "force": -coefficient(sympy.expand(third), A=1, B=1, C=1) / 2,
+        "aa": coefficient(flow_a, A=3),
+        "ab": coefficient(flow_a, A=1, B=2),
+        "cross": coefficient(flow_a, A=1, C=2),
+        "cross_c": coefficient(flow_c, A=2, C=1),
+        "cc": coefficient(flow_c, C=3),
+        "force13": -coefficient(potential, A=1, C=1, A3=1) / 2,
+    }
+    return {name: sympy.collect(sympy.expand(value.subs(n, 1)), kappa) for name, value in found.items()}
+
+
 def b1_and_b2() -> tuple[Any, Any]:
     """``b1`` and ``b2`` with the slaved waves eliminated, at the critical ``lambda2``."""
     f = reduced()
@@ -220,6 +261,6 @@ def b1_and_b2() -> tuple[Any, Any]:
 
 
 if __name__ == "__main__":
-    for equations in (reduced(), resonant()):
+    for equations in (reduced(), resonant(), meeting()):
         for name, value in equations.items():
             print(f"{name} = {value}")

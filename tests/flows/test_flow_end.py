@@ -86,6 +86,8 @@ def end_of(start, q=None):
 FAMILIES = [
     (lambda: tubes(0.0, "coil", (1, 1), 0.9), (10, 10), "coil", coil_symmetry(1)),
     (lambda: tubes(0.0, "coil", (2, 1), 0.95), (8, 5), "coil", coil_symmetry(2)),
+    (lambda: tubes(-1.0, "coil", (1, 2), 0.97), (7, 14), "coil", coil_symmetry(1, 2)),
+    (lambda: tubes(-1.0, "coil", (2, 2), 0.97), (10, 10), "coil", coil_symmetry(2, 2)),
     (lambda: tubes(0.0, "ring", (0, 2), 0.9), (2, 14), "ring", ring_symmetry(2)),
     (lambda: tubes(0.0, "ring", (0, 3), 0.95), (1, 15), "ring", ring_symmetry(3)),
     (lambda: tubes(0.0, "buckle", (1, 1), 0.97), (9, 9), "buckle", buckle_symmetry(1, 1)),
@@ -118,7 +120,7 @@ def test_tubes_are_recognized_however_they_lie(entry, size, family, symmetry, mi
 
 
 @pytest.mark.parametrize(
-    ("entry", "size", "mirrored"), [(*FAMILIES[i][:2], m) for i, m in ((0, 0), (0, 1), (4, 0), (7, 1))]
+    ("entry", "size", "mirrored"), [(*FAMILIES[i][:2], m) for i, m in ((0, 0), (0, 1), (6, 0), (9, 1))]
 )
 def test_the_standard_position_and_the_motion_from_it_are_the_tube(entry, size, mirrored):
     """The documented motion, applied to points of the surface in the standard position."""

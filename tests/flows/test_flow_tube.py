@@ -229,7 +229,7 @@ def test_waves_are_added_saved_and_drawn(tmp_path):
     ("call", "name"),
     [
         (lambda: TubeFlow(0.0, 10.0, (4, 1)), "size"),
-        (lambda: TubeFlow(0.0, 10.0, (4, 4), "diffusion"), "law"),
+        (lambda: TubeFlow(0.0, 10.0, (4, 4), "drag"), "law"),
         (lambda: flow(TubeFlow(0.0, 10.0, (4, 4)), np.eye(1, 81)[0]), "q"),
         (lambda: settled(tubes(0.0, "coil", "v", 0.9), (1, 2)), "size"),
     ],

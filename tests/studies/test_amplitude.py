@@ -27,7 +27,7 @@ from pearlbvp.studies.amplitude import (
     predicted_branch,
 )
 from pearlbvp.studies.branch import branch_options, family_branch
-from pearlbvp.theory import amplitude, resonance
+from pearlbvp.theory import amplitude, meeting, resonance
 from pearlbvp.theory.amplitude import amplitude_equation, exchange_lengths, meeting_c0
 from pearlbvp.theory.dispersion import growth_rate
 from pearlbvp.theory.resonance import Resonance, resonant_lengths
@@ -307,3 +307,19 @@ def test_the_two_mode_equations_find_the_crossing_of_m_and_2m_pearls():
     for length, m in ((10, 0), (10, math.nan), (4 * math.pi, 1), (2 * math.pi, 1)):
         with pytest.raises(InputError, match="^mode: "):
             Resonance(Tube(0.4, length), m)
+
+
+def test_the_polynomials_where_wrinkles_and_coiling_waves_meet_are_those_that_computer_algebra_derives():
+    found = derived.meeting()
+    shipped = {
+        "force": amplitude.force02(KAPPA, 1, C0, LAMBDA2),
+        "aa": amplitude.direct1(KAPPA, 1, C0, LAMBDA2),
+        "ab": amplitude.direct2(KAPPA, 1, C0, LAMBDA2),
+        "cross": meeting.cross(KAPPA, C0, LAMBDA2),
+        "cross_c": meeting.cross(KAPPA, C0, LAMBDA2),
+        "cc": amplitude.direct1(0, 2, C0, sympy.Rational(3, 2)),
+        "force13": meeting.force13(KAPPA, C0, LAMBDA2),
+    }
+    for name, value in shipped.items():
+        difference = sympy.expand(sympy.nsimplify(value, rational=True) - found[name])
+        assert difference.subs(LAMBDA2, sympy.Rational(3, 2)) == 0 if name == "cc" else difference == 0, name

@@ -17,6 +17,7 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.branch import COLUMNS, branch_options, family_branch
 from pearlbvp.studies.localized import localized_pearls
 from pearlbvp.studies.onward import followed, switched, varied
@@ -176,11 +177,12 @@ def test_mistakes(call, name):
         call()
 
 
-def test_switches_that_cannot_be(four):
+def test_switches_that_cannot_be(four, monkeypatch):
     with pytest.raises(InputError, match="^switch: the branch has 2"):
         switched(four, 3, branch_options())
-    branch = family_branch(Tube(0.75, 10), "pearl", (1, 0), branch_options({"v": 1.04}))
-    with pytest.raises(InputError, match="^switch: .*n = 1"):
+    branch = family_branch(Tube(0.75, 10), "pearl", (1, 0), branch_options({"bp": 1}))
+    monkeypatch.setattr(Profile, "is_graph", False)
+    with pytest.raises(InputError, match="^switch: .*overhang.*a mesh may follow them"):
         switched(branch, 1, branch_options())
     assert pearls.path(0.48, 7.5, 1.03).points[0].problem.cells == 1
     with pytest.raises(ValueError, match="^cells: "):

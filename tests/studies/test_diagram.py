@@ -27,10 +27,14 @@ def test_diagram_of_the_paper_s_figure():
     assert last.E.astype(float).idxmin() == "2/1"
 
 
-def test_what_is_not_followed_is_said():
-    found = diagram(0.75, 10, 1, branch_options({"v": 1.04}))
-    assert found.skipped
-    assert all("n = 1" in reason for reason in found.skipped.values())
+def test_what_bends_is_followed_from_pearls_and_what_is_not_followed_is_said():
+    options = {"pearl": branch_options({"v": 1.033}), "mixed": branch_options(max_points=2)}
+    found = diagram(0.75, 10, 1, options, refused=lambda branch, special: "as asked" * (special.block.parity == "even"))
+    assert list(found.branches) == ["1", "1/1"]
+    assert found.skipped == {"1/2": "as asked"}
+    bent = found.branches["1/1"]
+    assert bent.points[0].problem.symmetry.fold == 1
+    assert bent.points[-1].observables["v"] < bent.points[0].observables["v"]
 
 
 def test_what_leaves_rings_is_followed():

@@ -123,7 +123,9 @@ def test_rings_are_elastic_rings_and_end_where_waves_grow():
 
 def test_shapes_that_lose_their_axis_are_not_said_to_fall_along_it():
     """Pearls of period 4.5 at ``c0 = 0.6`` are stable near ``v = 0.9453`` only: bent below, unequal above."""
-    found = phases(Tube(0.6, 9), [0.94, 0.95], modes=[(2, 0)], depth=1, flows=True)
+    found = phases(Tube(0.6, 9), [0.94, 0.95], modes=[(2, 0)], depth=1, unstable=0, flows=True)
+    assert list(found.shapes(0.94)) == ["2/7"]  # the bent ones
+    assert found.shapes(0.94)["2/7"].spectrum.n_unstable == 0
     table = found.transitions.set_index(["event", "branch"])
     limits = [table.loc[(event, "2"), "v"] for event in ("stable", "unstable")]
     assert limits[0] < 0.94531 < limits[1] < 0.94535

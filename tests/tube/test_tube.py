@@ -453,8 +453,8 @@ def test_surface_has_the_area_and_the_volume(between):
 def test_what_is_no_family_of_the_mode_is_refused():
     with pytest.raises(InputError, match="^family: "):
         onset(Tube(0.0, 10), "ring", 1, 1)
-    with pytest.raises(InputError, match="^mode: "):
-        onset(Tube(0.0, 10), "coil", 1, 2)
+    with pytest.raises(InputError, match="^family: "):
+        onset(Tube(0.0, 10), "coil", 0, 2)
 
 
 def test_growth_rates_of_slender_coils_are_not_rounding():
