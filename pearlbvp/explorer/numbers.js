@@ -13,8 +13,8 @@ function floats(text) {
 const written = (value) => typeof value === "number" ? String(Number(value.toPrecision(8))) : value === null ? "–" : value;
 
 /** A number on an axis. */
-const short = (value) => {
-  const size = Math.abs(value), plain = Number(value.toPrecision(6));
+const short = (value, digits = 6) => {
+  const size = Math.abs(value), plain = Number(value.toPrecision(digits));
   return plain && (size < 1e-3 || size >= 1e6) ? plain.toExponential().replace("-", "−") : String(plain).replace("-", "−");
 };
 
@@ -24,6 +24,13 @@ function ticks(low, high, count) {
   const by = step * (wanted > 5 ? 10 : wanted > 2 ? 5 : wanted > 1 ? 2 : 1), found = [];
   for (let i = Math.ceil(low / by - 1e-9); i * by <= high + 1e-9 * by; i++) found.push(i * by);
   return found;
+}
+
+/** Round numbers in an interval, and how they are written: each other than its neighbours. */
+function labelled(low, high, count) {
+  const found = ticks(low, high, count), step = found.length > 1 ? found[1] - found[0] : high - low;
+  const digits = 1 + Math.ceil(Math.log10(Math.max(Math.abs(low), Math.abs(high)) / step));
+  return found.map((tick) => [tick, short(Math.abs(tick) < step / 1e6 ? 0 : tick, Math.min(15, Math.max(6, digits)))]);
 }
 
 /** Smallest and largest of some numbers, those that are none left out. */

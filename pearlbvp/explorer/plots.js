@@ -14,7 +14,7 @@ function axes(svg, xs, ys, xlabel, ylabel, { equal = false, left = 66 } = {}) {
   svg.replaceChildren();
   const width = svg.clientWidth || 600, height = svg.clientHeight || 300, box = { left, right: width - 12, top: 10, bottom: height - 40 };
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  const wide = (ends) => { const gap = (ends[1] - ends[0]) * 0.05 || Math.max(Math.abs(ends[0]) * 0.05, 0.05); return [ends[0] - gap, ends[1] + gap]; };
+  const wide = (ends) => { const size = ends[1] - ends[0], rounding = 1e-9 * Math.abs(ends[0]), gap = size > rounding ? size * 0.05 : Math.abs(ends[0]) * 0.05 || 0.05; return [ends[0] - gap, ends[1] + gap]; };
   let [x0, x1] = wide(range(xs)), [y0, y1] = wide(range(ys));
   if (equal) {
     const scale = Math.max((x1 - x0) / (box.right - box.left), (y1 - y0) / (box.bottom - box.top)), mx = (x0 + x1) / 2, my = (y0 + y1) / 2;
@@ -22,13 +22,16 @@ function axes(svg, xs, ys, xlabel, ylabel, { equal = false, left = 66 } = {}) {
     [x0, x1, y0, y1] = [mx - rx, mx + rx, my - ry, my + ry];
   }
   const x = (value) => box.left + (value - x0) / (x1 - x0) * (box.right - box.left), y = (value) => box.bottom - (value - y0) / (y1 - y0) * (box.bottom - box.top);
-  for (const tick of ticks(x0, x1, Math.max(2, width / 110))) {
+  const across = labelled(x0, x1, Math.max(2, width / 110)), up = labelled(y0, y1, Math.max(2, height / 60));
+  const needed = 30 + 6.4 * Math.max(0, ...up.map(([, text]) => text.length));
+  if (ylabel && needed > left + 1) return axes(svg, xs, ys, xlabel, ylabel, { equal, left: needed });
+  for (const [tick, text] of across) {
     draw(svg, "line", { class: "grid", x1: x(tick), x2: x(tick), y1: box.top, y2: box.bottom });
-    draw(svg, "text", { x: x(tick), y: box.bottom + 15, "text-anchor": "middle" }, short(tick));
+    draw(svg, "text", { x: x(tick), y: box.bottom + 15, "text-anchor": "middle" }, text);
   }
-  for (const tick of ticks(y0, y1, Math.max(2, height / 60))) {
+  for (const [tick, text] of ylabel ? up : []) {
     draw(svg, "line", { class: "grid", x1: box.left, x2: box.right, y1: y(tick), y2: y(tick) });
-    draw(svg, "text", { x: box.left - 6, y: y(tick) + 4, "text-anchor": "end" }, short(tick));
+    draw(svg, "text", { x: box.left - 6, y: y(tick) + 4, "text-anchor": "end" }, text);
   }
   draw(svg, "text", { class: "label", x: (box.left + box.right) / 2, y: height - 7, "text-anchor": "middle" }, xlabel);
   draw(svg, "text", { class: "label", transform: `translate(13 ${(box.top + box.bottom) / 2}) rotate(-90)`, "text-anchor": "middle" }, ylabel);
@@ -75,7 +78,6 @@ function drawRates(svg, blocks, unit) {
   const fewest = Math.min(...blocks.map((block) => block.rates[0])), low = 1.5 * fewest;
   blocks = blocks.map((block) => ({ ...block, rates: block.rates.filter((rate, i) => i === 0 || rate >= low) }));
   const plot = axes(svg, [0, ...blocks.flatMap((block) => block.rates)], [0, blocks.length + 0.2], unit, "", { left: 130 });
-  svg.querySelectorAll("text[text-anchor=end], line.grid[x1='130'][y1]").forEach((each) => { if (each.tagName === "text" || each.getAttribute("y1") === each.getAttribute("y2")) each.remove(); });
   draw(svg, "line", { x1: plot.x(0), x2: plot.x(0), y1: 10, y2: svg.clientHeight - 40, stroke: "currentColor", opacity: 0.5 });
   blocks.forEach((block, i) => {
     const y = plot.y(blocks.length - i - 0.4);
