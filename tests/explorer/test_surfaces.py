@@ -6,12 +6,14 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 from support.browser import browser_page
 
 import pearlbvp as pb
 from pearlbvp.explorer.perturbations import critical
 from pearlbvp.explorer.series import branch_series
 from pearlbvp.explorer.shapes import Shared
+from pearlbvp.studies.flow_start import solution_start
 from pearlbvp.units import RADII
 
 CASES = {
@@ -95,3 +97,21 @@ def test_a_wave_along_two_pearls_is_that_of_the_symmetry_that_is_broken(shown):
     half = (len(u) - 1) // 2
     np.testing.assert_allclose(u[half:], -u[: half + 1], atol=1e-5)
     np.testing.assert_allclose(u, np.broadcast_to(u[:, :1], u.shape), atol=1e-6)
+
+
+def test_the_critical_perturbation_is_that_of_a_flow_s_discretization(shown):
+    """The same normal displacement from all modes without symmetry: at the points next to each of the page's rows."""
+    branch, drawn = shown["buckle"]
+    start = solution_start(branch[-1])
+    rates, vectors = start.problem.growth_rates(start.q, start.multipliers, 2)
+    assert rates[0] == pytest.approx(branch[-1].spectrum.mu_crit, abs=1e-6)
+    assert rates[1] < rates[0] - 1e-3  # one alone
+    u = start.problem.velocity(start.q, vectors[:, 0])
+    x, y, z = (part[:-1, :-1].ravel() for part in start.problem.surface(start.q, 57, 57))
+    along, around = start.problem.cell.points
+    assert (along, around) == (56, 56)
+    u = np.roll(u.reshape(56, 56), 28, axis=0).ravel()  # a cell begins at x = 0, the surface at -L/2
+    at = drawn["at"].reshape(-1, 3)
+    tree = cKDTree(at - [10.0, 0, 0] * (at[:, :1] > 5))
+    found = drawn["u"][tree.query(np.column_stack((x, y, z)))[1]]
+    assert abs(np.corrcoef(u, found)[0, 1]) > 0.999
