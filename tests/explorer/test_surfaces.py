@@ -38,14 +38,14 @@ def shown():
     data = json.dumps({"series": series, "shared": shared.lists})
     with browser_page() as page:
         page.set_content(f'<script type="application/json" id="data">{data}</script>')
-        lists = "(f) => Object.fromEntries(Object.entries(f).map(([k, v]) => [k, v && v.length ? [...v] : v]))"
-        drawn = page.evaluate(
-            f"(() => {{{''.join(scripts)} return series.map((s) => ({lists})(surface(s.points.at(-1))));}})()"
-        )
+        text = page.evaluate(
+            f"(() => {{{''.join(scripts)} return JSON.stringify(series.map((s) => surface(s.points.at(-1))),"
+            " (_, value) => ArrayBuffer.isView(value) ? [...value] : value); })()"
+        )  # as one text, which is passed on at once
         assert page.wrong == []
     return {
         name: (branch, {key: np.array(value) for key, value in each.items()})
-        for (name, branch), each in zip(found.items(), drawn, strict=True)
+        for (name, branch), each in zip(found.items(), json.loads(text), strict=True)
     }
 
 
