@@ -48,7 +48,7 @@ def explore(files: tuple[Path, ...], x: str, y: str, out: Path, units: Units) ->
 
         bar.leave = False
         shown = {name: _loaded(file) for name, file in zip(names_of(files), files, strict=True)}
-        page = explorer(shown, x, y, units=units)
+    page = explorer(shown, x, y, units=units)
     write_whole("--out", target, lambda path: path.write_text(page.text, encoding="utf-8"))
     size = len(page.text.encode()) / 1e6
     what = counted(len(shown), "branch or flow", "branches or flows")

@@ -20,6 +20,7 @@ from pearlbvp.explorer.series import branch_series, flow_series
 from pearlbvp.explorer.shapes import Shared
 from pearlbvp.figures.canvas import COLOURS
 from pearlbvp.flows.record import FlowState
+from pearlbvp.progress import progress
 from pearlbvp.representation import brief
 from pearlbvp.units import RADII, Units
 
@@ -62,12 +63,12 @@ def explorer(
         InputError: a column that none of them has.
     """
     shared = Shared()
-    series = [
-        flow_series(name, each, shared, units)
-        if isinstance(each, FlowState)
-        else branch_series(name, each, shared, units)
-        for name, each in shown.items()
-    ]
+    series = []
+    with progress("shape") as bar:
+        bar.leave = False
+        for name, each in shown.items():
+            of_kind = flow_series if isinstance(each, FlowState) else branch_series
+            series.append(of_kind(name, each, shared, units, bar.update))  # type: ignore[arg-type]
     x = x or ("v" if any(each["kind"] == "branch" for each in series) else "t")
     for option, column in (("x", x), ("y", y)):
         if not any(column in each["labels"] for each in series):

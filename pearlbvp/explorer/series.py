@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -27,7 +27,13 @@ MOST_BLOCKS, MOST_RATES = 10, 6
 """Symmetry blocks whose growth rates are shown, the most unstable ones, and rates of each."""
 
 
-def branch_series(name: str, branch: Branch[Any], shared: Shared, units: Units) -> dict[str, Any]:
+Count = Callable[[], object]
+"""What is called after each shape."""
+
+
+def branch_series(
+    name: str, branch: Branch[Any], shared: Shared, units: Units, count: Count = lambda: None
+) -> dict[str, Any]:
     """A branch: a point for each of its solutions.
 
     Args:
@@ -35,6 +41,7 @@ def branch_series(name: str, branch: Branch[Any], shared: Shared, units: Units) 
         branch: of tubes of any family.
         shared: where lists go that several shapes have.
         units: of the columns.
+        count: called after each point.
     """
     table = units.columns(shown(branch.table()))
     points = []
@@ -44,18 +51,24 @@ def branch_series(name: str, branch: Branch[Any], shared: Shared, units: Units) 
             wave = critical(point.problem.shapes, point.u, point.spectrum, shared) if point.spectrum.rates else None
             found |= {} if wave is None else {"wave": wave.drawn}
         points.append(found)
+        count()
     family = str(branch.points[-1].problem.family)
     return {"name": name, "family": family, "kind": "branch", "end": units.said(branch.reason), **_columns(table, units),
             "points": points}  # fmt: skip
 
 
-def flow_series(name: str, state: FlowState, shared: Shared, units: Units) -> dict[str, Any]:
+def flow_series(
+    name: str, state: FlowState, shared: Shared, units: Units, count: Count = lambda: None
+) -> dict[str, Any]:
     """A flow: a point for each of its frames, thinned out; those of a table that stand at their times."""
     units, frames = units.of_flow(state.problem.law), state.record.frames
     frames = [frames[i] for i in np.unique(np.linspace(0, len(frames) - 1, MOST_FRAMES).round().astype(int))]
     table, times = state.columns(units), np.array(state.record.rows["t"])
     places = np.searchsorted(times, [frame.t for frame in frames], side="right") - 1
-    points = [{"shape": frame_of(frame.problem, frame.q, shared), "rates": []} for frame in frames]
+    points = []
+    for frame in frames:
+        points.append({"shape": frame_of(frame.problem, frame.q, shared), "rates": []})
+        count()
     return {"name": name, "family": "flow", "kind": "flow", "end": "", **_columns(table.iloc[places], units),
             "points": points}  # fmt: skip
 
