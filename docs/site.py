@@ -24,14 +24,28 @@ ARITHMATEX = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the README, the changes, and a page of docstrings for every ``reference/MODULE.md`` of the navigation."""
+    """Add the README, the changes, a page of the explorer, and one of docstrings for every ``reference/MODULE.md`` there is."""
     for name, uri in OUTSIDE.items():
         files.append(File.generated(config, uri, content=(ROOT / name).read_text()))
+    files.append(File.generated(config, "assets/explorer.html", content=_explorer()))
     for uri in _pages(config.nav):
         if uri.startswith(REFERENCE):
             module = uri.removeprefix(REFERENCE).removesuffix(".md")
             files.append(File.generated(config, uri, content=f"# `{module}`\n\n::: {module}\n"))
     return files
+
+
+def _explorer() -> str:
+    """The page that docs/explore.md shows, computed in two seconds."""
+    import pearlbvp as pb
+    from pearlbvp.explorer.page import explorer
+
+    wanted = {"pearl": ((1, 0), 1.05), "coil": ((1, 1), 0.93), "buckle": ((1, 1), 0.95), "ring": ((0, 2), 0.88)}
+    branches = {
+        f"{family}s": pb.branch(pb.Tube(0.0, 10.0), family, mode, until={"v": v})
+        for family, (mode, v) in wanted.items()
+    }
+    return explorer(branches).text
 
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:

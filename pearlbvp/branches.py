@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from pearlbvp.explorer.page import Explorer
     from pearlbvp.mesh.periodic import PeriodicMesh
 
 Until = Mapping[str, float]
@@ -226,6 +227,21 @@ class Branch(core.Branch[Any]):
         from pearlbvp.figures.branch import draw_branch
 
         return draw_branch(self, units.columns(self.table()), title, units)
+
+    def explore(self, x: str = "", y: str = "E", units: Units = RADII) -> Explorer:
+        """A page in which its diagram and shapes can be explored, in a notebook; ``.text`` is its HTML.
+
+        Args:
+            x: column drawn to the right at first, ``v`` by default.
+            y: column drawn upwards at first.
+            units: of the numbers.
+
+        Raises:
+            InputError: a column that the branch does not have.
+        """
+        from pearlbvp.explorer.page import explorer
+
+        return explorer({self.points[-1].problem.family: self}, x, y, units=units)
 
     def table(self, units: Units = RADII) -> pd.DataFrame:
         """A row a point, with the columns that every family has: ``pearlbvp.studies.branch.COLUMNS``.

@@ -21,6 +21,7 @@ from pearlbvp.commands.branch import branch
 from pearlbvp.commands.diagram import diagram
 from pearlbvp.commands.dispersion import dispersion
 from pearlbvp.commands.equilibria import equilibria
+from pearlbvp.commands.explore import explore
 from pearlbvp.commands.flow import flow
 from pearlbvp.commands.growth import growth
 from pearlbvp.commands.localized import localized
@@ -49,7 +50,7 @@ def cli() -> None:
 
 for command in (
     dispersion, growth, amplitude, amplitude_map, localized, period, region, equilibria,
-    branch, resume, switch, vary, follow, show, diagram, phases, flow, mesh, scan,
+    branch, resume, switch, vary, follow, show, diagram, explore, phases, flow, mesh, scan,
 ):  # fmt: skip
     cli.add_command(command)
 

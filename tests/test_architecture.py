@@ -9,6 +9,7 @@ PACKAGE = Path(__file__).parents[1] / "pearlbvp"
 ROOMS = [
     "cli",
     "commands",
+    "explorer",
     "figures",
     "atlas",
     "studies",

@@ -128,15 +128,24 @@ def _check_columns(*names: str) -> None:
 
 
 def _saved(files: tuple[Path, ...]) -> dict[str, Branch[Any]]:
-    """Saved branches, each by the shortest part of its path that is its own."""
+    """Saved branches, by their names."""
     from pearlbvp.studies import saved
 
+    return {name: saved.load(file, "FILE") for name, file in zip(names_of(files), files, strict=True)}
+
+
+def names_of(files: tuple[Path, ...]) -> list[str]:
+    """What several files are called: each by the shortest part of its path that is its own.
+
+    Raises:
+        InputError: one is given twice.
+    """
     stems = [file.stem for file in files]
     names = [file.stem if stems.count(file.stem) == 1 else str(file) for file in files]
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
         raise InputError(f"FILE: {twice} is given twice; give it once")
-    return {name: saved.load(file, "FILE") for name, file in zip(names, files, strict=True)}
+    return names
 
 
 def _computed(

@@ -212,6 +212,15 @@ class PlanarVariation:
             2 * math.pi * length / count,
         )
 
+    def at_rest(
+        self, c: int, parity: str | None, length: float = 1.0, held: Held = AREA_AND_VOLUME
+    ) -> tuple[list[Array], NDArray[Any]]:
+        """At ``k = 0``: rows that perturbations of a class are orthogonal to, and their second variation; see ``rates_at``."""
+        second = -self.matrices(c, parity)[0]
+        if c == 0 and parity == "even":
+            return held.constrained(second, self.quantities(length))
+        return self.kernels(c, parity), second
+
     def rates_at(
         self, c: int, parity: str | None, k: Array, length: float = 1.0, held: Held = AREA_AND_VOLUME
     ) -> list[Array]:
@@ -228,10 +237,7 @@ class PlanarVariation:
         moving = np.linalg.eigvalsh(at_rest + square[:, None] * by_square)[:, ::-1] - square**2 / 2
         found = list(moving)
         for place in np.flatnonzero(k == 0):
-            rows: list[Array] = self.kernels(c, parity)
-            second: NDArray[Any] = -at_rest
-            if c == 0 and parity == "even":
-                rows, second = held.constrained(second, self.quantities(length))
+            rows, second = self.at_rest(c, parity, length, held)
             (resting,) = restricted(rows, -second)
             found[place] = np.linalg.eigvalsh(resting)[::-1]
         return found

@@ -76,6 +76,25 @@ def kernel_residual(matrix: NDArray[Any], kernel: Array, largest: float) -> floa
     return float(np.linalg.norm(np.linalg.solve(matrix - shift * np.eye(len(matrix)), defect)))
 
 
+def block_problem(
+    variation: SecondVariation, block: Block, held: Held = AREA_AND_VOLUME, form: QuadraticForm | None = None
+) -> tuple[NDArray[Any], list[Array], list[Array]]:
+    """The matrix whose eigenvalues are a block's growth rates on the vectors ``r w`` that some rows annihilate.
+
+    Args:
+        variation, block, held, form: as ``block_rates`` takes them.
+
+    Returns:
+        The matrix, the exact kernel (or none), and the rows of what is held.
+    """
+    matrix = (form or variation.form(block.theta, block.parity)).matrix(block.n)
+    kernel = _kernel(variation, block, len(matrix))
+    rows: list[Array] = []
+    if block.n == 0 and block.j == 0 and block.parity != "odd":
+        rows, matrix = variation.constrained(matrix, held, block.cells)
+    return matrix, [] if kernel is None else [np.pad(kernel, (0, len(matrix) - len(kernel)))], rows
+
+
 def block_rates(
     variation: SecondVariation, block: Block, held: Held = AREA_AND_VOLUME, form: QuadraticForm | None = None
 ) -> tuple[Array, float]:
@@ -90,12 +109,7 @@ def block_rates(
     Returns:
         The rates, and how far the exact kernel is from one (0 where there is none); see ``kernel_residual``.
     """
-    matrix = (form or variation.form(block.theta, block.parity)).matrix(block.n)
-    kernel = _kernel(variation, block, len(matrix))
-    rows: list[Array] = []
-    if block.n == 0 and block.j == 0 and block.parity != "odd":
-        rows, matrix = variation.constrained(matrix, held, block.cells)
-    kernels = [] if kernel is None else [np.pad(kernel, (0, len(matrix) - len(kernel)))]
+    matrix, kernels, rows = block_problem(variation, block, held, form)
     rates = leading_eigenvalues(matrix, [*kernels, *rows])
     if not kernels:
         return rates, 0.0

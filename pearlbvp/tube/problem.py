@@ -24,7 +24,7 @@ from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.perturbations import blocks_up_to
 from pearlbvp.tube.rigid import rigid_motions
 from pearlbvp.tube.shapes import TubeShapes
-from pearlbvp.tube.spectrum import Equilibrium, block_rates
+from pearlbvp.tube.spectrum import Equilibrium, block_problem, block_rates
 from pearlbvp.tube.symmetry import TubeBlock
 from pearlbvp.tube.waves import Cell, ModeWaves, Waves
 from pearlbvp.units import Sentence
@@ -303,6 +303,17 @@ class TubeProblem(TubeShapes):
             found |= dict(zip(group, self._rates(equilibrium, u, list(group.values())), strict=True))
         rates = {block: found[block][0] for block in blocks}
         return Spectrum.of(rates, max((error for _, error in found.values()), default=0.0))
+
+    def block_problem(self, u: Array, block: TubeBlock) -> tuple[tuple[Mode, ...], Array, Array, list[Array]]:
+        """A block's modes, and its eigenproblem: second variation, mass, and rows that perturbations are orthogonal to."""
+        reach = self._reach(u)
+        equilibrium, (modes,) = self._perturbed(u, reach), self._stretched(u, self._blocks(reach, u)[block])
+        (matrices,) = equilibrium.second_variations(modes)
+        motions = rigid_motions(self.known(u), modes.modes, self.symmetry.turns)
+        second, mass, rows, _ = block_problem(
+            equilibrium, modes, matrices, motions, self.held, self.parameters(u).length
+        )
+        return modes.modes, second, mass, rows
 
     def block_rates(self, u: Array, block: TubeBlock, like: Spectrum) -> Array:
         """Growth rates in one block."""

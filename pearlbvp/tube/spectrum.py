@@ -239,6 +239,36 @@ ORDERS_ALONG = np.array([1.0, 1.0, 0.0, 0.0, 2.0, 2.0, 1.0, 1.0, 0.0, 0.0])
 """How often each of the ten fields ``a, b, p, q, s`` (``tube.density``) is differentiated along the tube."""
 
 
+def block_problem(
+    equilibrium: Equilibrium,
+    modes: ModeWaves,
+    matrices: tuple[Array, Array],
+    kernels: Sequence[Array],
+    held: Held,
+    length: float,
+) -> tuple[NDArray[Any], Array, list[Array], list[Array]]:
+    """A block's eigenproblem ``second w = -mu mass w`` on the vectors that some rows annihilate; see ``block_rates``.
+
+    Returns:
+        ``second`` and ``mass``, the rows, and the rigid motions that move the surface, of unit mass.
+    """
+    second, mass = matrices
+    rows: list[Array] = []
+    moving: list[Array] = []
+    constrained: NDArray[np.inexact[Any]] = second
+    whole_mass = mass
+    by_volume = equilibrium.constraints(modes)[1]
+    if np.abs(by_volume).max() > 1e-9:  # in other blocks than the solution's own nothing changes that may be held
+        rows, constrained = held.constrained(second, equilibrium.quantities(modes, length))
+        whole_mass = block_diag(mass, np.eye(len(constrained) - len(second)))
+    for kernel in kernels:
+        weight = kernel @ mass @ kernel
+        if weight > 1e-12 * kernel @ kernel:  # else it moves the surface along itself
+            moving.append(kernel / np.sqrt(weight))
+            rows.append(np.append(mass @ kernel, np.zeros(len(constrained) - len(second))))
+    return constrained, whole_mass, rows, moving
+
+
 def block_rates(
     equilibrium: Equilibrium,
     modes: ModeWaves,
@@ -257,26 +287,13 @@ def block_rates(
         held: what is held.
         length: of the tube.
     """
-    second, mass = matrices
-    rows: list[Array] = []
-    moving: list[Array] = []
-    constrained: NDArray[np.inexact[Any]] = second
-    whole_mass = mass
-    by_volume = equilibrium.constraints(modes)[1]
-    if np.abs(by_volume).max() > 1e-9:  # in other blocks than the solution's own nothing changes that may be held
-        rows, constrained = held.constrained(second, equilibrium.quantities(modes, length))
-        whole_mass = block_diag(mass, np.eye(len(constrained) - len(second)))
-    for kernel in kernels:
-        weight = kernel @ mass @ kernel
-        if weight > 1e-12 * kernel @ kernel:  # else it moves the surface along itself
-            moving.append(kernel / np.sqrt(weight))
-            rows.append(np.append(mass @ kernel, np.zeros(len(constrained) - len(second))))
+    constrained, whole_mass, rows, moving = block_problem(equilibrium, modes, matrices, kernels, held, length)
     restricted_second, restricted_mass = restricted(rows, constrained, whole_mass)
     size = len(restricted_second)
     if size == 0:
         return np.zeros(0), 0.0
     rates = _leading(restricted_second, restricted_mass)
-    return rates, max((_residual(second, mass, kernel, float(rates[0])) for kernel in moving), default=0.0)
+    return rates, max((_residual(*matrices, kernel, float(rates[0])) for kernel in moving), default=0.0)
 
 
 def _leading(second: Array, mass: Array) -> Array:

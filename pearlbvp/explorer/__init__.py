@@ -1,0 +1,1 @@
+"""One page that shows branches and flows offline: diagrams, shapes in three dimensions, profiles, growth rates, rows."""
