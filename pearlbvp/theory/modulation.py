@@ -8,13 +8,14 @@ radius ``u0`` slow in ``x``, obey, with tension ``lambda1 = lambda1_c - beta2 + 
 the gradient flow of one energy, ``s`` and ``D`` from the dispersion relation. Area and volume hold the means of ``u0`` and
 ``|A|^2`` along the tube and nothing else: P. C. Matthews and S. M. Cox, Nonlinearity 13 (2000) 1293, for flows; B. Hilder,
 J. Differential Equations 269 (2020) 4353. Along equal pearls ``u0 = -k^2 |A|^2`` keeps the area, which gives ``c`` and ``d`` by
-``alpha2`` and ``b`` of ``theory.amplitude``: ``c = alpha2 + k^2 s`` and ``d = b + k^2 (alpha2 + c)``. Where a slow wave changes ``|A|^2``,
-``u0`` follows as it likes, and the cubic coefficient is another one,
+``alpha2`` and ``b`` of ``theory.amplitude``: ``c = alpha2 + k^2 s`` and ``d = b + k^2 (alpha2 + c)``. Where a slow wave
+changes ``|A|^2``, ``u0`` follows freely, and the cubic coefficient is another one,
 
     b_local = d - c^2/s = b - alpha2^2/s.
 
-Equal pearls minimize ``D |A_x|^2 - b_local |A|^4/2`` at fixed mean of ``|A|^2`` up to ``|A|^2 = D q^2/(2 b_local)``, where the wave
-``q = 2 pi/L`` begins to grow: there the localized pearl branches off. With ``v = 1 - 2 a |A|^2`` this is a law for ``v_s``.
+Equal pearls minimize ``D |A_x|^2 - b_local |A|^4/2`` at fixed mean of ``|A|^2`` up to ``|A|^2 = D q^2/(2 b_local)``, where
+the wave ``q = 2 pi/L`` begins to grow: there the localized pearl branches off. With ``v = 1 - 2 a |A|^2`` this is a law for
+``v_s``.
 """
 
 from __future__ import annotations
