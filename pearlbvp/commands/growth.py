@@ -53,7 +53,7 @@ def growth(
     Columns: m (with a length), n (waves along and around), k, type, wavelength, rate (in fluids inside and
     outside, the membrane incompressible; without --viscosity in units of 2 kappa/(ETA R^3)), mu and mu_diffusion
     (of the flow at fixed area and volume, and of diffusion, each by its mobility), role (fastest), c0, L, lambda1,
-    lambda2, lambda1_lower and lambda1_pearl (no wave grows at tensions between them, pearls do above).
+    lambda2, lambda1_lower and lambda1_pearl (no wave grows at tensions between them, pearls do above), force (along the axis).
     """
     from pearlbvp.studies import growth as study
     from pearlbvp.viscosity import in_fluids

@@ -286,7 +286,7 @@ QUESTIONS: Mapping[str, Question] = {
         Question(
             "growth", ("c0", "lambda1", "L", "viscosity_ratio", "membrane_viscosity"),
             ("c0", "lambda1", "L", "viscosity_ratio", "membrane_viscosity", "m", "n", "k", "type", "wavelength", "rate", "mu",
-             "mu_diffusion", "role", "lambda2", "lambda1_lower", "lambda1_pearl", "status", "message"),
+             "mu_diffusion", "role", "lambda2", "lambda1_lower", "lambda1_pearl", "force", "status", "message"),
             _each(_growth), integers=("m", "n"), check=_check_growth, drawn=("rate",), role="fastest", fluids=True,
             says="How fast waves of the straight tube grow in water, which is the fastest, and when pearls do.",
             example="growth --c0 0 --tension 0.8:2:0.05 --viscosity-ratio 1,10 --store g.sqlite",

@@ -10,14 +10,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import LARGEST_C0, Tube, finite, whole
+from pearlbvp.helfrich import LARGEST_C0, Tube, cylinder_force, finite, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.theory.dispersion import growing_waves, growth_rate, long_tube_interval, mode_type, stable_interval
 from pearlbvp.theory.stokes import Fluids, fastest_waves, stokes_rate
 from pearlbvp.units import Sentence
 
 COLUMNS = ["m", "n", "k", "type", "wavelength", "rate", "mu", "mu_diffusion", "role",
-           "c0", "L", "lambda1", "lambda2", "lambda1_lower", "lambda1_pearl"]  # fmt: skip
+           "c0", "L", "lambda1", "lambda2", "lambda1_lower", "lambda1_pearl", "force"]  # fmt: skip
 
 MOST_ROWS = 1_000_000
 
@@ -56,7 +56,7 @@ def growth(
         membrane incompressible), in units of ``2 kappa/(eta R^3)``; ``mu`` of the flow ``V_t = G`` and ``mu_diffusion`` of its
         Laplacian, each in the unit of its mobility; ``role``, which is ``fastest`` where ``rate`` is largest of all waves that
         fit, and positive; ``c0, L, lambda1, lambda2``; and between which tensions no wave grows: above ``lambda1_pearl`` pearls
-        do, below ``lambda1_lower`` others. They are empty where there is no such tension.
+        do, below ``lambda1_lower`` others. They are empty where there is no such tension. ``force`` is that along the axis.
 
     Raises:
         InputError: an argument that cannot be used.
@@ -93,6 +93,7 @@ def growth(
         lambda2=lambda2,
         lambda1_lower=lower,
         lambda1_pearl=pearl,
+        force=cylinder_force(lambda2, c0),
     )
     return table.astype({"m": "Int64"})[COLUMNS]
 

@@ -38,10 +38,22 @@ def test_a_tube_from_the_microscope(capsys, tmp_path):
     assert row["rate[1/s]"] == pytest.approx(model.rate * 2 * kappa / (1e-3 * R**3), rel=1e-9)
     assert row["mu[Pa/um]"] == pytest.approx(model.mu * 2 * kappa / R**4 * 1e-6, rel=1e-7)
     assert row["mu_diffusion[Pa/um^3]"] == pytest.approx(model.mu_diffusion * 2 * kappa / R**6 * 1e-18, rel=1e-7)
+    # At c0 = 0 the tube is in equilibrium at p = Sigma/R - kappa/(2 R^3), and a piston holds 2 pi R Sigma + pi kappa/R - pi R^2 p.
+    pressure = sigma / R - kappa / (2 * R**3)
+    force = 2 * math.pi * R * (sigma + kappa / (2 * R**2)) - math.pi * R**2 * pressure
+    np.testing.assert_allclose(table["force[pN]"], force * 1e12, rtol=1e-9)
     assert said.startswith(
         "pearlbvp: the fastest wave is 8.10076 um long and grows at 26.9521/s; the tube is straight at"
     )
     assert is_png(tmp_path / "g.png")
+
+
+def test_a_tether_is_pulled_by_the_force_of_the_textbooks(capsys):
+    """Without a pressure ``Sigma = kappa/(2 R^2)`` and ``f = 2 pi kappa/R`` (Derenyi, Juelicher, Prost, PRL 88 (2002) 238101)."""
+    R, kappa = 20e-9, 20 * KT
+    table, _ = growth(capsys, "--radius", "20nm", "--kappa", "20kT", "--tension", f"{kappa / (2 * R**2)!r}N/m")
+    np.testing.assert_allclose(table["lambda2[Pa]"], 0, atol=1e-6)
+    np.testing.assert_allclose(table["force[pN]"], 2 * math.pi * kappa / R * 1e12, rtol=1e-9)
 
 
 def test_at_strong_tension_only_the_viscosity_counts(capsys):

@@ -57,6 +57,20 @@ def test_between_the_two_tensions_nothing_grows_and_beyond_them_something_does(c
             assert (wave.n == 0 and wave.k < 1) == (tension > pearl)
 
 
+@given(st.floats(-1, 1), st.floats(-2, 5))
+def test_the_force_is_the_slope_of_the_energy_by_the_length(c0, tension):
+    """At given area and volume, over straight tubes whose multipliers take up what changes besides."""
+    table = growth(c0, tension, wave_numbers=[0.5], max_n=0)
+
+    def potential(length, radius):  # by pi: the energy, and the work of tension and pressure
+        return 2 * radius * length * ((1 / (2 * radius) - c0) ** 2 + tension) + table.lambda2[0] * radius**2 * length
+
+    h = 1e-4
+    assert potential(1, 1 + h) == pytest.approx(potential(1, 1 - h), abs=1e-9)
+    by_length = (potential(1 + h, 1) - potential(1 - h, 1)) / (2 * h)
+    assert table.force[0] == pytest.approx(math.pi * by_length, rel=1e-9, abs=1e-9)
+
+
 def test_textbook_onsets():
     # Sigma = 2 kappa lambda1/R^2: pearls of long waves at 3 kappa/(2 R^2) (Bar-Ziv, Moses, Phys. Rev. Lett. 73 (1994) 1392)
     table = growth(0.0, 1.0)
