@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
 
 from pearlbvp.errors import InputError
 from pearlbvp.files import MOST_TEXT, read_whole
@@ -33,6 +34,24 @@ class Table(dict[str, list[float]]):
 def name_of(heading: str) -> str:
     """A column's name without the unit that stands in brackets behind it: ``L`` of ``L[nm]``."""
     return heading.partition("[")[0].strip() if heading.endswith("]") else heading
+
+
+ALIKE = 0.8
+"""Share of letters, by ``difflib``, from which on a name is another's with a mistake in it."""
+
+
+def refuse_misspelt(name: str, headings: Iterable[str], known: Iterable[str]) -> None:
+    """Refuse a heading that is no known name but nearly one: what it holds would be left out without a word.
+
+    Raises:
+        InputError: the heading, and the name that was meant.
+    """
+    names = {each.casefold(): each for each in known}
+    for heading in map(str, headings):
+        word = name_of(heading).casefold()
+        if word not in names and (meant := get_close_matches(word, names, 1, ALIKE)):
+            right = names[meant[0]] + heading.removeprefix(name_of(heading))
+            raise InputError(f"{name}: the column {heading} is none that is known; rename it to {right}, or remove it")
 
 
 def read_table(
@@ -87,6 +106,7 @@ def read_table(
     written, header = header, _as_wanted(name, path, header, [*(columns or ()), *optional])
     chosen = list(header) if columns is None else list(columns)
     chosen += [column for column in optional if column in header and column not in chosen]
+    refuse_misspelt(name, [word for word in header if word not in chosen], optional)
     missing = [column for column in chosen if column not in header]
     if missing:
         raise InputError(

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pearlbvp.dimensions import FLUIDS, VISCOSITY
+from pearlbvp.dimensions import FLUIDS, QUANTITIES, VISCOSITY
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import positive
-from pearlbvp.quantities import has_unit
+from pearlbvp.quantities import has_unit, read
 from pearlbvp.units import Units
 
 
@@ -31,5 +30,26 @@ def in_fluids(units: Units, viscosity: str | float | None = None) -> Units:
         raise InputError(f"viscosity: {viscosity} has no unit; give one like 1mPa.s")
     if units.scale is None or units.scale.energy is None:
         raise InputError(f"viscosity: {viscosity} needs the radius, like 50nm, and kappa, like 20kT; give those, too")
-    pascal_seconds = positive("viscosity", units.scale.number("viscosity", viscosity, VISCOSITY, "Pa*s"))
+    pascal_seconds = units.scale.number("viscosity", viscosity, VISCOSITY, "Pa*s")
+    if not pascal_seconds > 0:
+        raise InputError(f"viscosity: {viscosity} is not above 0; give one like 1mPa.s")
     return units.in_time(pascal_seconds / units.to_user("pressure", 1.0))
+
+
+def membrane_viscosity_of(units: Units, text: str | float) -> float:
+    """A membrane's surface viscosity by the viscosity of the fluid outside and the radius.
+
+    Args:
+        units: of ``in_fluids``.
+        text: a surface viscosity, ``"5e-9Pa.s.m"``, or that by the fluid's, a length.
+
+    Raises:
+        InputError: it is neither, or the fluid's viscosity is missing that a surface viscosity is measured by.
+    """
+    quantity = units.unit("rate") != "1/s" and isinstance(text, str) and has_unit(text)
+    if quantity and read("membrane_viscosity", str(text)).dimension == QUANTITIES["membrane_viscosity"]:
+        raise InputError(
+            f"membrane_viscosity: {text} needs the viscosity of the fluid, like 1mPa.s; give that, too, or a length, "
+            "their ratio"
+        )
+    return units.from_user("membrane_viscosity", units.number("membrane_viscosity", text, "membrane_viscosity"))

@@ -90,6 +90,7 @@ def diagram(
         check_distinct({"FILE": Path(os.path.realpath(file)), "--out": out, "--plot": plot})
     if not files and (c0 is None or length is None):
         raise InputError("FILE, --c0, --length: give saved branches, or c0 and length of a tube")
+    x, y = ("c0" if name == "C0" else name for name in (x, y))  # as it is headed in physical units
     _check_columns(x, y)
     from pearlbvp.studies.diagram import together, tubes_apart
 

@@ -56,12 +56,14 @@ def growth(
     lambda2, lambda1_lower and lambda1_pearl (no wave grows at tensions between them, pearls do above), force (along the axis).
     """
     from pearlbvp.studies import growth as study
-    from pearlbvp.viscosity import in_fluids
+    from pearlbvp.viscosity import in_fluids, membrane_viscosity_of
 
     out, plot = check_outputs(out, plot)
     units = in_fluids(units, viscosity)
-    slip = units.number("membrane_viscosity", membrane_viscosity, "membrane_viscosity")
-    fluids = {"viscosity_ratio": viscosity_ratio, "membrane_viscosity": units.from_user("membrane_viscosity", slip)}
+    fluids = {
+        "viscosity_ratio": viscosity_ratio,
+        "membrane_viscosity": membrane_viscosity_of(units, membrane_viscosity),
+    }
     table = study.growth(
         units.from_user("c0", c0),
         units.from_user("tension", tension),

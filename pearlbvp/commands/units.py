@@ -45,7 +45,9 @@ def enter_units(context: click.Context) -> None:
 
 def _units(given: dict[str, str], saved: Units) -> Units:
     """Units by the options that are given, and by those of the saved file where they are not."""
-    if not given.keys() - {"temperature"} and not saved.given:
+    if not given.keys() & {"radius", "kappa"} and not saved.given:
+        for name in given:
+            raise InputError(f"--{name}: it says what kappa is, and there is none; give --radius and --kappa, too")
         return RADII
     if not given:
         return saved

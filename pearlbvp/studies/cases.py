@@ -18,7 +18,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.quantities import COLDEST, CURVATURE, ENERGY, HOTTEST, LENGTH, NUMBER, PRESSURE, TENSION, Dimension, read
 from pearlbvp.scale import BODY, CONVENTIONS, Convention
 from pearlbvp.studies.osmotic import OsmoticTube
-from pearlbvp.tables import name_of, read_table
+from pearlbvp.tables import name_of, read_table, refuse_misspelt
 
 KNOWN: Mapping[str, tuple[Dimension, str]] = {
     "temperature": (NUMBER, "K"), "dilution": (NUMBER, ""),
@@ -72,6 +72,8 @@ class Case:
             )
         if not math.isfinite(row["tension"]):
             raise InputError("tension: it is missing; give a number")
+        if row["measured"] <= 0:
+            raise InputError("measured: no bead has a diameter of 0 or less; leave it empty where there is none")
         rigidity, c0, given = row["kappa"] * CONVENTIONS[convention], row["c0"], row["radius"]
         ratio = row["tension"] / rigidity
         if math.isnan(c0):
@@ -130,6 +132,7 @@ def _in_si(table: pd.DataFrame) -> dict[str, Array]:
     Raises:
         InputError: a column is missing or there twice, its unit is none of its quantity, or it holds what is no number.
     """
+    refuse_misspelt("CASES", map(str, table), KNOWN)
     columns: dict[str, Array] = {}
     for name, (dimension, usual) in KNOWN.items():
         headings = [str(heading) for heading in table if name_of(str(heading)).casefold() == name]
@@ -145,10 +148,21 @@ def _in_si(table: pd.DataFrame) -> dict[str, Array]:
                 raise InputError(f"CASES: the column {heading} holds what is no number; give numbers") from None
             factor, power = _unit(heading, dimension, usual)
             values = values * factor * (columns["temperature"] ** power if power else 1.0)
+            if name == "temperature" and _in_degrees(heading):
+                values = values + FREEZING
             if heading.startswith("C0"):  # (2H - C0)^2 = 4 (H - C0/2)^2
                 values = values / 2
         columns[name] = np.where(np.isnan(values), USUAL.get(name, math.nan), values)
     return columns
+
+
+FREEZING = 273.15
+"""In K."""
+
+
+def _in_degrees(heading: str) -> bool:
+    """Whether a temperature is in degrees Celsius."""
+    return heading.partition("[")[2].removesuffix("]").strip() in ("degC", "°C")
 
 
 def _unit(heading: str, dimension: Dimension, usual: str) -> tuple[float, int]:
@@ -162,7 +176,7 @@ def _unit(heading: str, dimension: Dimension, usual: str) -> tuple[float, int]:
         f"CASES: the column {heading} has no unit of its quantity; write it like {name_of(heading)}[{usual}]"
     )
     if dimension == NUMBER:
-        if unit not in ("", usual):
+        if unit not in ("", usual) and not (usual == "K" and _in_degrees(heading)):
             raise wrong
         return 1.0, 0
     text = f"1{unit.removeprefix('1')}" + "*kT/particle" * (usual == "mM")

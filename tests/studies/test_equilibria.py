@@ -163,9 +163,12 @@ CASE = {"tension[mN/m]": 0.01, "kappa[kT]": 50.0, "osmolarity[mM]": 400.0, "solu
         ({"spacing[mM]": 300.0}, "the column spacing[mM] has no unit of its quantity; write it like spacing[nm]"),
         ({"spacing": 300.0}, "the column spacing has no unit of its quantity; write it like spacing[nm]"),
         (
-            {"temperature[degC]": 37.0},
-            "the column temperature[degC] has no unit of its quantity; write it like temperature[K]",
+            {"temperature[degF]": 98.6},
+            "the column temperature[degF] has no unit of its quantity; write it like temperature[K]",
         ),
+        ({"temperature[degC]": 310.0}, "row 1, temperature: no membrane is in water at 583.15 K"),
+        ({"measured[nm]": -1.0}, "row 1, measured: no bead has a diameter of 0 or less; leave it empty"),
+        ({"spacng[nm]": 300.0}, "the column spacng[nm] is none that is known; rename it to spacing[nm], or remove it"),
         ({"radius[nm]": math.nan}, "row 1, radius: it is missing, and so is c0"),
         ({"temperature[K]": 37.0}, "row 1, temperature: no membrane is in water at 37 K"),
         ({"C0[1/nm]": 0.01}, "row 1, radius: by c0 and the tension it is "),
@@ -191,6 +194,10 @@ def test_kt_and_concentrations_are_those_of_the_row_s_temperature():
     table = axons((0.01, 400, 100)).astype(float)
     names = ["osmolarity[mM]", "solute[mM]", "kappa[kT]"]
     hot = table.assign(**{name: table[name] / 1.25 for name in names}, **{"temperature[K]": 387.5})
+    celsius = hot.drop(columns="temperature[K]").assign(**{"temperature[degC]": 387.5 - 273.15})
+    assert next(cases_of(celsius, "mem3dg")).rigidity == pytest.approx(
+        next(cases_of(hot, "mem3dg")).rigidity, rel=1e-14
+    )
     row, hot_row = (next(cases_of(one, "mem3dg")) for one in (table, hot))
     for name in ("unit", "rigidity", "period"):
         assert getattr(hot_row, name) == pytest.approx(getattr(row, name), rel=1e-13)
