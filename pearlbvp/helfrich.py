@@ -124,7 +124,7 @@ class Tube:
         object.__setattr__(self, "L", positive("length", self.L))
         if abs(self.c0) > LARGEST_C0:
             raise InputError(
-                f"c0: {self.c0:g} is beyond {LARGEST_C0:g} in units of 1/radius; check its unit, or --radius"
+                f"c0: {self.c0:g} is beyond {LARGEST_C0:g} in units of 1/radius; check its unit, or the radius"
             )
         if not SHORTEST <= self.length <= LONGEST:
             raise InputError(

@@ -96,7 +96,7 @@ class MembraneProblem(Problem):
             InputError: it is made of no single curve.
         """
         raise InputError(
-            f"profile: a {self.family} is made of no single curve; write its surface (--surface FILE.vtu, or .csv)"
+            f"profile: a {self.family} is made of no single curve; write its surface (surface=FILE.vtu, or .csv)"
         )
 
     def signed_amplitude(self, u: Array) -> float:
@@ -116,8 +116,8 @@ class MembraneProblem(Problem):
     def constant(self) -> Mapping[str, str]:
         """Of ``lambda1, lambda2, v, c0, L`` those that do not vary along the branch, and how they would."""
         instead = {
-            "v": "keep lambda2 where it branches off (--keep lambda2), or stop at something else",
-            "lambda2": "keep v where it branches off (--keep v), or stop at something else",
+            "v": "keep lambda2 where it branches off (keep=lambda2), or stop at something else",
+            "lambda2": "keep v where it branches off (keep=v), or stop at something else",
         }
         names = ("lambda1", "lambda2", "v", "c0", "L")
         otherwise = "vary it from a point of a saved branch"

@@ -125,7 +125,7 @@ class Scale:
         amount, wanted = read(argument, text, self.temperature), dimension._replace(spontaneous=0)
         if self.energy is None:
             if amount.dimension == wanted and wanted.energy:
-                raise InputError(f"{argument}: {text} takes the bending rigidity; give --kappa, like 20kT, too")
+                raise InputError(f"{argument}: {text} takes the bending rigidity; give kappa=20kT or the like, too")
             wanted = wanted._replace(energy=0)
         if amount.dimension != wanted:
             advice = WORDS.get(wanted, f"one in {unit}")

@@ -82,7 +82,7 @@ class Units(Conversion):
             number, scale = Scale.of(radius, kappa, temperature, convention)
             return cls(number, given=True, scale=scale)
         if kappa is not None:
-            raise InputError("kappa: it needs the radius with its unit; give --radius, like 50nm, too")
+            raise InputError("kappa: it needs the radius with its unit; give radius=50nm or the like, too")
         return cls(positive("radius", radius), given=True)  # type: ignore[arg-type]
 
     @classmethod
@@ -118,7 +118,9 @@ class Units(Conversion):
             return finite(argument, text)  # type: ignore[arg-type]
         if self.scale is None:
             read(argument, text)  # which refuses what is no quantity
-            raise InputError(f"{argument}: {text} has a unit, so the radius needs one; give --radius, like 50nm, too")
+            raise InputError(
+                f"{argument}: {text} has a unit, so the radius needs one; give radius=50nm or the like, too"
+            )
         if name not in QUANTITIES:
             return read(argument, text, self.scale.temperature).magnitude
         return self.scale.number(argument, text, self._resolved(QUANTITIES[name]), self.unit(name))

@@ -150,7 +150,7 @@ def test_a_tension_needs_the_rigidity(capsys):
     tube = ["branch", "pearl", "--c0", "0", "--length", "500nm", "--radius", "50nm"]
     status, _, err = run(capsys, *tube, "--until", "lambda1=0.05mN/m")
     assert (status, err) == (
-        2, "pearlbvp: --until: 0.05mN/m takes the bending rigidity; give --kappa, like 20kT, too\n"
+        2, "pearlbvp: --until: 0.05mN/m takes the bending rigidity; give --kappa 20kT or the like, too\n"
     )  # fmt: skip
     status, _, err = run(capsys, *tube, "--kappa", "20kT", "--until", "lambda1=0.05Pa")
     assert (status, err) == (2, "pearlbvp: --until: 0.05Pa is a pressure; give a tension, like 0.01mN/m\n")

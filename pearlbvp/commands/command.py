@@ -91,7 +91,10 @@ class Command(click.Command):
 
 
 def as_typed(message: str, params: Sequence[click.Parameter]) -> str:
-    """A message with the names of arguments as options: the first word before a colon, and elsewhere names with a ``_``.
+    """A message with the names of arguments as options.
+
+    They are the first word before a colon, and elsewhere names with a ``_``, those that are to be given (``give radius=2``)
+    and those in brackets (``(keep=v)``, ``(nodes)``).
 
     Args:
         message: ``name: what; remedy``.
@@ -108,7 +111,9 @@ def as_typed(message: str, params: Sequence[click.Parameter]) -> str:
     subject, colon, rest = message.partition(":")
     if colon:
         message = re.sub(r"^\w+", lambda word: typed(word[0]), subject) + colon + rest
-    return re.sub(r"(?<![\w-])[a-z]+_[a-z_]+\b", lambda word: options.get(word[0], word[0]), message)
+    message = re.sub(r"(?<![\w-])[a-z]+_[a-z_]+\b", lambda word: options.get(word[0], word[0]), message)
+    given = r"(?:(?<=\()|(?<=give ))([a-z]+)(=|(?=\)))"
+    return re.sub(given, lambda word: options[word[1]] + " " * len(word[2]) if word[1] in options else word[0], message)
 
 
 def of_this_command(message: str) -> str:

@@ -188,7 +188,7 @@ class Problem(ABC):
         Raises:
             InputError: such problems are not saved.
         """
-        raise InputError("save: a curve of special points cannot be saved; write its table (table().to_csv, or --out)")
+        raise InputError("save: a curve of special points cannot be saved; write its table")
 
     @classmethod
     def from_tree(cls, tree: Mapping[str, Any]) -> Self:

@@ -177,7 +177,7 @@ def check_radius(mesh: PeriodicMesh) -> None:
     """
     found = mesh.area / (2 * math.pi * mesh.length)
     if not 1 / FAR < found < FAR:
-        raise InputError(Sentence("radius: the tube's radius is about {r:.2g}; give --radius {r:.2g}", r=found))
+        raise InputError(Sentence("radius: the tube's radius is about {r:.2g}; give radius={r:.2g}", r=found))
 
 
 def joined(points: Array, triangles: Integers, length: float, first: int = 0) -> PeriodicMesh:

@@ -62,7 +62,7 @@ def wanted_there(branch: Branch[Any], options: BranchOptions) -> SpecialPoint | 
     there = known_branch(branch).asked(options.until_special)
     if there is not None and not there.converged:
         raise InputError(
-            f"until: the {there.kind} at point {there.index} was not located; follow the branch in shorter steps (--max-step)"
+            f"until: the {there.kind} at point {there.index} was not located; follow the branch in shorter steps (max_step)"
         )
     return there
 
@@ -288,6 +288,6 @@ def numbered(branch: Branch[Any], number: int) -> SpecialPoint:
     special = found[number - 1]
     if not special.converged:
         raise InputError(
-            f"switch: branch point {number} was not located; follow the branch in shorter steps (--max-step)"
+            f"switch: branch point {number} was not located; follow the branch in shorter steps (max_step)"
         )
     return special

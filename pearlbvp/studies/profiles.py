@@ -310,5 +310,5 @@ def _check_radius(x: Array, r: Array) -> None:
     across = np.roll(r, -1) - r
     found = float((np.hypot(along, across) * (r + np.roll(r, -1)) / 2).sum() / along.sum())
     if not 1 / FARTHEST_RADIUS < found < FARTHEST_RADIUS:
-        text = "radius: the tube's radius is about {r:.3g}, not {L:g}; give --radius {r:.3g}"
+        text = "radius: the tube's radius is about {r:.3g}, not {L:g}; give radius={r:.3g}"
         raise InputError(Sentence(text, r=found, L=1.0))

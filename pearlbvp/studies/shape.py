@@ -73,7 +73,7 @@ def shape_branch(
     if near <= NO_SHAPE:
         raise InputError(
             "shape: downhill from it at this volume lies the straight tube, where branches cross; give other cosines or "
-            "another volume, or leave --shape out for the pearls that leave the tube"
+            "another volume, or leave it out for the pearls that leave the tube"
         )
     problem = replace(problem, held=held, cells=cells)
     held.check(problem.observables(u))

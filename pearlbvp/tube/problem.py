@@ -226,7 +226,7 @@ class TubeProblem(TubeShapes):
         if spectrum.residual > RESOLVED * self.wave_number**4:
             size = " x ".join(str(most) for most in self.size if most)
             text = f"its growth rates are known to {{rate:.0e}} only, as its rigid motions show: {size} modes do not "
-            text += "resolve it; stop before, or follow the branch on a mesh (--nodes)"
+            text += "resolve it; stop before, or follow the branch on a mesh (nodes)"
             raise SpectrumError(Sentence(text, rate=spectrum.residual))
         return None
 

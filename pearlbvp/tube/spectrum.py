@@ -321,7 +321,7 @@ def _factored(second: Array, mass: Array) -> tuple[Array, float]:
             if shift > largest:
                 raise SpectrumError(
                     f"its growth rates have no bound up to {largest:.0e}: the modes do not resolve them; stop before, or "
-                    "follow the branch on a mesh (--nodes)"
+                    "follow the branch on a mesh (nodes)"
                 ) from None
             shift *= 8
 

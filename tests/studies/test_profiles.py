@@ -124,9 +124,9 @@ def _with(values, row, value):
         (lambda x, r: (x[:58], r[:58]), L, "of the period 3.33333 only"),
         (lambda x, r: (x, r), 1.02 * L, "of the period 3.4 only"),
         (lambda x, r: (x, r), 0.97 * L, "more than the period"),
-        (lambda x, r: (50 * x, 50 * r), 50 * L, "radius: the tube's radius is about 5.*; give --radius 5"),
-        (lambda x, r: (50 * x, 50 * r), L, "radius: the tube's radius is about 5.*; give --radius 5"),
-        (lambda x, r: (x / 20, r / 20), L / 20, "radius: the tube's radius is about 0.05.*; give --radius 0.05"),
+        (lambda x, r: (50 * x, 50 * r), 50 * L, "radius: the tube's radius is about 5.*; give radius=5"),
+        (lambda x, r: (50 * x, 50 * r), L, "radius: the tube's radius is about 5.*; give radius=5"),
+        (lambda x, r: (x / 20, r / 20), L / 20, "radius: the tube's radius is about 0.05.*; give radius=0.05"),
     ],
 )
 def test_what_cannot_be_one_period_of_such_a_tube_is_named(change, length, said):
