@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -23,12 +23,15 @@ from pearlbvp.helfrich import Tube, WaveNumbers, cylinder_energy, known_tube, wh
 from pearlbvp.numbers import as_numbers
 from pearlbvp.studies.branch import branch_options
 from pearlbvp.studies.diagram import ENDS, diagram
+from pearlbvp.studies.search import Search
+from pearlbvp.studies.shape import both_ways
 from pearlbvp.studies.stretches import SAME_VOLUME, Piece, distinct, is_same, pieces
 from pearlbvp.studies.transitions import STRAIGHT, least_parts, ranges, transitions
 from pearlbvp.theory.dispersion import critical_lambda2, stable_interval
 
 COLUMNS = ["v", "branch", "family", "symmetry", "rank", "E", "excess", "lambda1", "lambda2", "force", "n_unstable", "mu_crit",
-           "critical", "amplitude", "r_min", "r_max", "c0", "L", "branches", "depth", "message"]  # fmt: skip
+           "critical", "amplitude", "r_min", "r_max", "c0", "L", "branches", "depth", "message", "starts", "rest_here",
+           "origin"]  # fmt: skip
 CURVES = ["branch", "stable", "v", "E", "excess"]
 OBSERVED = ("E", "lambda1", "lambda2", "force", "amplitude", "r_min", "r_max")
 
@@ -72,6 +75,10 @@ class Phases:
         skipped: branch points that were not followed, by name, and why.
         unfinished: branches that end within the range, and why.
         depth: to which they were followed.
+        starts: random shapes that were relaxed.
+        rested: how many came to rest on each branch, by name; under ``unstable`` those that came to unstable shapes of none.
+        restless: why others did not, and how many.
+        origins: of branches that only random starts led to, where they meet others; empty where that is not known.
     """
 
     tube: Tube
@@ -84,6 +91,10 @@ class Phases:
     skipped: Mapping[str, str]
     unfinished: Mapping[str, str]
     depth: int
+    starts: int = 0
+    rested: Mapping[str, int] = field(default_factory=dict)
+    restless: Mapping[str, int] = field(default_factory=dict)
+    origins: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         whole = self.ranges.itertuples(index=False)
@@ -94,7 +105,10 @@ class Phases:
     @property
     def rests_on(self) -> str:
         """What is meant by the least."""
-        return f"{len(self.branches)} branches to depth {self.depth}"
+        words = f"{len(self.branches)} branches to depth {self.depth}"
+        if not self.starts:
+            return words
+        return f"{words}, and where {sum(self.rested.values())} of {self.starts} random starts came to rest"
 
     def shapes(self, v: float) -> dict[str, Solution[Any]]:
         """The stable shapes of a volume of the table by name, the least first."""
@@ -111,6 +125,8 @@ def phases(
     modes: Iterable[WaveNumbers] | None = None,
     unstable: int = MOST_UNSTABLE,
     flows: bool = False,
+    starts: int = 0,
+    seed: int = 0,
     processes: int = 1,
     progress: Callable[[str], None] = lambda name: None,
 ) -> Phases:
@@ -123,6 +139,8 @@ def phases(
         modes: follow every family of these; by default ``default_modes``.
         unstable: what crosses a branch is followed where so many directions, or fewer, are unstable.
         flows: let shapes flow where they lose their stability, to see what they fall to.
+        starts: random shapes that are relaxed, to find shapes on other branches, which are followed, too.
+        seed: of the random shapes: the same seed, the same shapes.
         processes: how many to work in; 0 for one a core.
         progress: called with the name of each branch before it is followed.
 
@@ -145,20 +163,48 @@ def phases(
                     refused=partial(_too_unstable, unstable))  # fmt: skip
     if not found.branches:
         raise InputError("modes: no branch could be followed; choose other modes, or another length")
+    starts, seed = whole("starts", starts, 0), whole("seed", seed, 0)
     everything = [piece for name, branch in found.branches.items() for piece in pieces(name, branch)]
+    begun = Search(dict(found.branches), everything)
+    if starts:
+        begun = _searched(tube, found.branches, (wanted[0], wanted[-1]), (low, high), starts, seed, processes, progress)
+    found, everything = replace(found, branches=begun.branches), begun.pieces
     stretches = distinct([piece for piece in everything if piece.stable])
     unfinished = {name: branch for name, branch in found.branches.items() if _ends_within(branch, low, high)}
     said = {name: branch.reason for name, branch in unfinished.items()}
     parts = least_parts(stretches, wanted[0], wanted[-1], lambda what: said.update({what.partition(",")[0]: what}))
     table, solutions = _at_volumes(tube, wanted, stretches, unfinished)
-    table = table.assign(c0=tube.c0, L=tube.length, branches=len(found.branches), depth=depth)
+    table = table.assign(c0=tube.c0, L=tube.length, branches=len(found.branches), depth=depth, starts=starts)
+    here = table["branch"].map(dict(begun.rested)).fillna(0)
+    table = table.assign(rest_here=here, origin=table["branch"].map(begun.origins))
     falls = partial(_falls, everything, stretches) if flows else _no_falls
     events = transitions(tube, parts, stretches, list(found.branches), (wanted[0], wanted[-1]), falls)
     curves = _curves(everything, stretches, wanted[0], wanted[-1])
-    table = table.reindex(columns=COLUMNS).astype({"n_unstable": "Int64", "rank": "Int64"})
+    table = table.reindex(columns=COLUMNS).astype({"n_unstable": "Int64", "rank": "Int64", "rest_here": "Int64"})
     return Phases(
-        tube, table, events, solutions, ranges(parts), curves, found.branches, found.skipped, said, depth
+        tube, table, events, solutions, ranges(parts), curves, found.branches, found.skipped, said, depth, starts,
+        begun.rested, begun.restless, begun.origins,
     )  # fmt: skip
+
+
+def _searched(
+    tube: Tube, branches: Mapping[str, Branch[Any]], volumes: tuple[float, float], ends: tuple[float, float],
+    starts: int, seed: int, processes: int, progress: Callable[[str], None],
+) -> Search:  # fmt: skip
+    """What random starts come to; stable shapes on no known branch are followed both ways, to the ends of a range."""
+    from pearlbvp.studies.starts import search  # the flow's rooms, which nothing else here needs
+
+    down, up = (replace(branch_options({"v": v}), limit=WithinVolumes(*ends)) for v in ends)
+    return search(
+        tube,
+        branches,
+        volumes,
+        starts,
+        seed,
+        lambda shape: both_ways(shape.problem, shape.u, down, up),
+        processes,
+        progress,
+    )
 
 
 def _falls(everything: Sequence[Piece], stretches: Sequence[Piece], piece: Piece, upper: bool) -> list[str]:
@@ -257,11 +303,7 @@ def _at_volumes(
         if abs(v - 1) <= SAME_VOLUME and stable_interval(tube).exists:
             here.append(_straight_row(tube))
         here.sort(key=lambda row: float(row["E"]))
-        said = (
-            ["no stable shape was found; follow to a larger depth, or where more directions are unstable"] * (not here)
-            + said
-            + failed
-        )
+        said = [NONE] * (not here) + said + failed
         for rank, row in enumerate(here, start=1):
             rows.append({"v": v, **row, "rank": rank, "excess": row["E"] - here[0]["E"], "message": "; ".join(said)})
         if not here:

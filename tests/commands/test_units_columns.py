@@ -84,7 +84,7 @@ FROM_A_TUBE = {
     "period": (["--c0", "{c0}", "--lengths", "{L}", "--volume", "1.01", "--processes", "1"], ()),
     "amplitude": (["--c0", "{c0}", "--length", "{L}", "--mode", "2,0", "--mode", "1,1"], ("--branch",)),
     "amplitude-map": (["--c0", "{c0},{c1}", "--lengths", "{L},{L1}"], ("--meetings",)),
-    "phases": (["--c0", "{c0}", "--length", "{L}", "--volumes", "1.005,1.02", "--mode", "2,0", "--processes", "1"],
+    "phases": (["--c0", "{c0}", "--length", "{L}", "--volumes", "1.005,1.02", "--mode", "2,0", "--starts", "4", "--processes", "1"],
                ("--transitions",)),
     "branch pearl": (["--c0", "{c0}", "--length", "{L}", "--mode", "2,0", "--max-points", "3", "--fix", "osmotic=90,ade=1"],
                      ()),
