@@ -29,7 +29,7 @@ from pearlbvp.studies.falls import are_one
 from pearlbvp.studies.flow_end import resolved, solution_of
 from pearlbvp.studies.parallel import in_processes
 from pearlbvp.studies.search import UNSTABLE, Search
-from pearlbvp.studies.stretches import Piece, pieces
+from pearlbvp.studies.stretches import Piece, passes_through_itself, pieces
 
 LONGEST = 16.0
 """Length up to which tubes without symmetry are relaxed, for the work grows with its third power."""
@@ -81,10 +81,13 @@ def at_rest(start: Start) -> Solution[Any] | str:
         problem, u = (_outline if start.axisymmetric else _tube)(start)
         upwards = np.zeros_like(u)
         upwards[-1] = 1.0
-        return Solution.along(problem, u, tangent_along(problem, u, upwards)).computed()
+        shape = Solution.along(problem, u, tangent_along(problem, u, upwards)).computed()
+        return passes_through_itself(shape) or shape
     except PathEnd as error:
         return str(error.args[0])
-    except (InputError, SpectrumError, np.linalg.LinAlgError):
+    except SpectrumError:
+        return "its stability would take too many modes"
+    except (InputError, np.linalg.LinAlgError):
         return UNPOLISHED
 
 
