@@ -88,9 +88,10 @@ def phases(
     Columns: v, branch (as diagram names them), family, symmetry, rank (1 has the least energy), E, excess over the least,
     lambda1, lambda2, force, n_unstable, mu_crit, critical, amplitude, r_min, r_max, c0, L, branches and depth (what the
     ranks rest on), message, starts (random ones that were relaxed), rest_here (how many came to rest on the branch), origin (of
-    a branch that they alone lead to: where it meets others). Of the transitions: v, event (maxwell, continuous or jump: the
-    least shape changes at equal energies, continuously, or because one begins or ends; stable, unstable: as v grows; end: of
-    what could be followed), branch, other, E, E_other, lambda2, lambda2_other, special, critical, falls_to, c0, L, message.
+    a branch that they alone lead to: where it meets others), multiplicity (branches that are this one, shifted or mirrored).
+    Of the transitions: v, event (maxwell, continuous or jump: the least shape changes at equal energies, continuously, or
+    because one begins or ends; stable, unstable: as v grows; end: of what could be followed), branch, other, E, E_other,
+    lambda2, lambda2_other, special, critical, falls_to, c0, L, message.
     Unstable parts are dashed.
     """
     from pearlbvp.files import writable

@@ -6,6 +6,7 @@ Branches come from ``studies.diagram``. Every statement rests on them: a shape o
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -31,7 +32,7 @@ from pearlbvp.theory.dispersion import critical_lambda2, stable_interval
 
 COLUMNS = ["v", "branch", "family", "symmetry", "rank", "E", "excess", "lambda1", "lambda2", "force", "n_unstable", "mu_crit",
            "critical", "amplitude", "r_min", "r_max", "c0", "L", "branches", "depth", "message", "starts", "rest_here",
-           "origin"]  # fmt: skip
+           "origin", "multiplicity"]  # fmt: skip
 CURVES = ["branch", "stable", "v", "E", "excess"]
 OBSERVED = ("E", "lambda1", "lambda2", "force", "amplitude", "r_min", "r_max")
 
@@ -167,20 +168,26 @@ def phases(
     everything = [piece for name, branch in found.branches.items() for piece in pieces(name, branch)]
     begun = Search(dict(found.branches), everything)
     if starts:
-        begun = _searched(tube, found.branches, (wanted[0], wanted[-1]), (low, high), starts, seed, processes, progress)
+        begun = _searched(
+            tube, found.branches, (wanted[0], wanted[-1]), (low, high), unstable, starts, seed, processes, progress
+        )
     found, everything = replace(found, branches=begun.branches), begun.pieces
-    stretches = distinct([piece for piece in everything if piece.stable])
+    stretches, images = distinct([piece for piece in everything if piece.stable])
+    alike = Counter((found.twins | images).values())
     unfinished = {name: branch for name, branch in found.branches.items() if _ends_within(branch, low, high)}
     said = {name: branch.reason for name, branch in unfinished.items()}
     parts = least_parts(stretches, wanted[0], wanted[-1], lambda what: said.update({what.partition(",")[0]: what}))
     table, solutions = _at_volumes(tube, wanted, stretches, unfinished)
     table = table.assign(c0=tube.c0, L=tube.length, branches=len(found.branches), depth=depth, starts=starts)
     here = table["branch"].map(dict(begun.rested)).fillna(0)
-    table = table.assign(rest_here=here, origin=table["branch"].map(begun.origins))
+    table = table.assign(rest_here=here, origin=table["branch"].map(begun.origins),
+                         multiplicity=table["branch"].map({name: 1 + alike[name] for name in found.branches}))  # fmt: skip
     falls = partial(_falls, everything, stretches) if flows else _no_falls
     events = transitions(tube, parts, stretches, list(found.branches), (wanted[0], wanted[-1]), falls)
     curves = _curves(everything, stretches, wanted[0], wanted[-1])
-    table = table.reindex(columns=COLUMNS).astype({"n_unstable": "Int64", "rank": "Int64", "rest_here": "Int64"})
+    table = table.reindex(columns=COLUMNS).astype(
+        {"n_unstable": "Int64", "rank": "Int64", "rest_here": "Int64", "multiplicity": "Int64"}
+    )
     return Phases(
         tube, table, events, solutions, ranges(parts), curves, found.branches, found.skipped, said, depth, starts,
         begun.rested, begun.restless, begun.origins,
@@ -189,22 +196,19 @@ def phases(
 
 def _searched(
     tube: Tube, branches: Mapping[str, Branch[Any]], volumes: tuple[float, float], ends: tuple[float, float],
-    starts: int, seed: int, processes: int, progress: Callable[[str], None],
+    unstable: int, starts: int, seed: int, processes: int, progress: Callable[[str], None],
 ) -> Search:  # fmt: skip
-    """What random starts come to; stable shapes on no known branch are followed both ways, to the ends of a range."""
+    """Pearls beside unduloids, and what random starts come to: stable shapes on no known branch are followed both ways."""
     from pearlbvp.studies.starts import search  # the flow's rooms, which nothing else here needs
+    from pearlbvp.studies.unduloids import beside_unduloids
 
     down, up = (replace(branch_options({"v": v}), limit=WithinVolumes(*ends)) for v in ends)
-    return search(
-        tube,
-        branches,
-        volumes,
-        starts,
-        seed,
-        lambda shape: both_ways(shape.problem, shape.u, down, up),
-        processes,
-        progress,
-    )
+
+    def follow(shape: Solution[Any]) -> Branch[Any]:
+        return both_ways(shape.problem, shape.u, down, up)
+
+    known = {**branches, **beside_unduloids(tube, branches, *volumes, unstable, follow)}
+    return search(tube, known, volumes, starts, seed, follow, processes, progress)
 
 
 def _falls(everything: Sequence[Piece], stretches: Sequence[Piece], piece: Piece, upper: bool) -> list[str]:

@@ -156,13 +156,21 @@ def _is_stable_between(branch: Branch[Any], i: int) -> bool:
     return spectrum.complete and spectrum.n_unstable == 0
 
 
-def distinct(stretches: Sequence[Piece]) -> list[Piece]:
-    """Without those that are images of another on all volumes of theirs, as far as energy and pressure tell."""
+def distinct(stretches: Sequence[Piece]) -> tuple[list[Piece], dict[str, str]]:
+    """Without those that are images of another on all volumes of theirs, as far as energy and pressure tell.
+
+    Returns:
+        The pieces that are kept, and the branches of the others by name, each with that of its image.
+    """
     kept: list[Piece] = []
+    images: dict[str, str] = {}
     for one in sorted(stretches, key=lambda piece: piece.low - piece.high):
-        if not any(_is_image(one, other) for other in kept):
+        image = next((other for other in kept if _is_image(one, other)), None)
+        if image is None:
             kept.append(one)
-    return [piece for piece in stretches if piece in kept]
+        else:
+            images[one.name] = image.name
+    return [piece for piece in stretches if piece in kept], images
 
 
 def _is_image(one: Piece, other: Piece) -> bool:
