@@ -20,7 +20,7 @@ from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, WaveNumbers, cylinder_energy, known_tube, whole
+from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, WaveNumbers, cylinder_energy, known_tube, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.studies.branch import branch_options
 from pearlbvp.studies.diagram import ENDS, diagram
@@ -320,12 +320,14 @@ def _stable_at(v: float, stretches: Sequence[Piece]) -> tuple[dict[str, Solution
     found: dict[str, Solution[Any]] = {}
     failed = []
     for piece in stretches:
-        if not piece.low - SAME_VOLUME <= v <= piece.high + SAME_VOLUME or abs(v - 1) <= SAME_VOLUME:
+        if not piece.low - SAME_VOLUME <= v <= piece.high + SAME_VOLUME:
             continue
         try:
             shape = piece.at(v)
         except PathEnd as error:
             failed.append(f"{piece.name}: {error.args[0]}")
+            continue
+        if shape.value("amplitude") < SMALLEST_AMPLITUDE:  # the straight tube, which is a shape of its own
             continue
         if shape.spectrum.n_unstable == 0 and not any(is_same(shape, other) for other in found.values()):
             found[f"{piece.name} again" if piece.name in found else piece.name] = shape

@@ -49,3 +49,13 @@ def test_the_same_seed_makes_the_same_starts():
     assert np.diff([case.v for case in cases]).min() > 0
     first, again = at_rest(cases[-1]), at_rest(cases[-1])
     assert np.array_equal(first.u, again.u)
+
+
+def test_one_large_and_three_smaller_pearls_are_found_that_no_branch_leads_to():
+    """Stable from ``v = 0.974637`` to 1.3, as the flow showed: where they begin to be, another branch crosses, not the tube."""
+    found = phases(Tube(0.75, 20), [0.97, 1.0], depth=0, modes=[(3, 0)], starts=4)
+    (event,) = found.transitions[found.transitions["event"] == "stable"].itertuples()
+    assert event.branch.startswith("start")
+    assert event.v == pytest.approx(0.974637, abs=1e-6)
+    assert (event.other, event.critical) == ("", "n=0 j=0/1 even")
+    assert found.shapes(1.0)[event.branch].problem.repeats == (1, 0)
