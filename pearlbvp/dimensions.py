@@ -29,7 +29,8 @@ QUANTITIES: Mapping[str, Dimension] = {
     **dict.fromkeys(("v", "v_localized", "v_reduced", "area_error", "volume_error", "quality_worst", "quality_mean",
                      "m", "n", "point", "pearls", "pearls_least_energy", "kernel", "n_unstable", "nodes", "triangles",
                      *(f"{name}_{what}" for name in ("lambda1", "lambda2", "E", "wave") for what in ("error", "order")),
-                     "viscosity_ratio", "rank", "branches", "depth", "slope", "phi", "psi", "vertex", "i", "j"), NUMBER),
+                     "viscosity_ratio", "rank", "branches", "depth", "starts", "rest_here", "multiplicity",
+                     "slope", "phi", "psi", "vertex", "i", "j"), NUMBER),
 }  # fmt: skip
 """Dimensions by the names that columns, options and the numbers of sentences have."""
 

@@ -37,6 +37,8 @@ def phases(
     modes: Iterable[WaveNumbers] | None = None,
     unstable: int = 2,
     flows: bool = False,
+    starts: int = 0,
+    seed: int = 0,
     processes: int = 0,
 ) -> Phases:
     """Which shape the tube takes at which volume: all stable shapes that were found, the least, and where that changes.
@@ -48,6 +50,8 @@ def phases(
         modes: follow every family of these; by default all pearls of ``k < 1`` and the first others.
         unstable: what crosses a branch is followed where so many directions, or fewer, are unstable.
         flows: let shapes flow where they lose their stability, to see what they fall to.
+        starts: random shapes that are relaxed, to find stable ones that the branches do not lead to.
+        seed: of the random shapes: the same seed, the same shapes.
         processes: how many to work in; 0 for one a core.
 
     Returns:
@@ -63,6 +67,7 @@ def phases(
         (['2', '2/1'], ['2/1'])
     """
     with progress("branch") as bar:
-        found = study.phases(tube, volumes, depth=depth, modes=modes, unstable=unstable, flows=flows, processes=processes,
+        found = study.phases(tube, volumes, depth=depth, modes=modes, unstable=unstable, flows=flows, starts=starts, seed=seed,
+                             processes=processes,
                              progress=lambda name: bar.update())  # fmt: skip
     return Phases(**{field.name: getattr(found, field.name) for field in fields(found)})

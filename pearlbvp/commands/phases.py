@@ -52,6 +52,14 @@ MOST_NAMED = 6
     is_flag=True,
     help="Let shapes flow where they lose their stability, to see what they fall to.",
 )
+@click.option(
+    "--starts", type=click.IntRange(min=0), default=100, show_default=True,
+    help="Relax so many random shapes, to find stable ones that the branches do not lead to.",
+)  # fmt: skip
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True,
+    help="Of the random shapes: the same, the same shapes.",
+)  # fmt: skip
 @click.option("--processes", type=click.IntRange(min=1), help="How many.  [default: one a core]")
 @click.option(
     "--transitions", type=File(), metavar="FILE.csv",
@@ -67,6 +75,8 @@ def phases(
     modes: tuple[tuple[int, int], ...],
     unstable: int,
     flows: bool,
+    starts: int,
+    seed: int,
     processes: int | None,
     transitions: Path | None,
     out: Path | None,
@@ -77,9 +87,12 @@ def phases(
 
     Columns: v, branch (as diagram names them), family, symmetry, rank (1 has the least energy), E, excess over the least,
     lambda1, lambda2, force, n_unstable, mu_crit, critical, amplitude, r_min, r_max, c0, L, branches and depth (what the
-    ranks rest on), message. Of the transitions: v, event (maxwell, continuous or jump: the least shape changes at equal
-    energies, continuously, or because one begins or ends; stable, unstable: as v grows; end: of what could be followed),
-    branch, other, E, E_other, lambda2, lambda2_other, special, critical, falls_to, c0, L, message. Unstable parts are dashed.
+    ranks rest on), message, starts (random ones that were relaxed), rest_here (how many came to rest on the branch), origin (of
+    a branch that they alone lead to: where it meets others), multiplicity (branches that are this one, shifted or mirrored).
+    Of the transitions: v, event (maxwell, continuous or jump: the least shape changes at equal energies, continuously, or
+    because one begins or ends; stable, unstable: as v grows; end: of what could be followed), branch, other, E, E_other,
+    lambda2, lambda2_other, special, critical, falls_to, c0, L, message.
+    Unstable parts are dashed.
     """
     from pearlbvp.files import writable
 
@@ -88,7 +101,7 @@ def phases(
     if plot is not None and len(set(volumes)) < 2:
         raise InputError("--plot: one volume makes no picture; give several, like 0.9:1.1:0.01")
     check_distinct({"--out": out, "--plot": plot, "--transitions": transitions})
-    found = _found(c0, length, volumes, depth, modes, unstable, flows, processes, units)
+    found = _found(c0, length, volumes, depth, modes, unstable, flows, (starts, seed), processes, units)
 
     def draw() -> Figure:
         from pearlbvp.figures.phases import draw_phases
@@ -104,7 +117,7 @@ def phases(
 
 def _found(
     c0: float, length: float, volumes: list[float], depth: int, modes: tuple[tuple[int, int], ...],
-    unstable: int, flows: bool, processes: int | None, units: Units,
+    unstable: int, flows: bool, random: tuple[int, int], processes: int | None, units: Units,
 ) -> Phases:  # fmt: skip
     from pearlbvp.progress import progress
 
@@ -116,7 +129,7 @@ def _found(
             bar.update()
 
         return study(units.tube(c0, length), volumes, depth=depth, modes=list(modes) or None, unstable=unstable, flows=flows,
-                     processes=processes or 0, progress=follow)  # fmt: skip
+                     starts=random[0], seed=random[1], processes=processes or 0, progress=follow)  # fmt: skip
 
 
 def _tell(found: Phases, units: Units) -> None:
@@ -129,4 +142,8 @@ def _tell(found: Phases, units: Units) -> None:
         say(f"{name} ends: {of_this_command(why)}")
     for low, high, name in found.ranges.itertuples(index=False):
         say(f"v = {low:.8g} to {high:.8g}: {f'the least is {name}' if name else 'no stable shape was found'}")
-    say(f"the least of {counted(len(found.branches), 'branch', 'branches')} to depth {found.depth}")
+    for name, where in found.origins.items():
+        say(f"{name} is a branch that a random start led to; it meets {where or 'no branch that is known'}")
+    for why, count in found.restless.items():
+        say(f"{counted(count, 'start')} came not to rest: {why}")
+    say(f"the least of {found.rests_on}")

@@ -166,6 +166,11 @@ class TubeFlow:
         """Mean of a normal velocity times each mode's normal displacement, shape (N,)."""
         return self.waves.pushed(self.cell, self.cell.transform(tube.outward * speed))
 
+    def energy(self, q: Array) -> float:
+        """By the straight tube's area; infinite where a section closes."""
+        tube = self._tube(q, np.zeros(2))
+        return math.inf if _pinched(tube) else tube.means[0]
+
     def residual(self, q: Array, rate: Array, multipliers: Array) -> Array:
         """``M q_t + grad F``: the mean of ``V_t`` times each mode's normal displacement, plus the gradient.
 

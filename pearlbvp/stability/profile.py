@@ -81,6 +81,11 @@ class Profile:
                 break
         return whole.states(sigma)[:, 0]
 
+    def crosses_itself(self) -> bool:
+        """Whether the outline crosses itself or its next period: such a surface passes through itself."""
+        x, r = self.outline()
+        return outline_crosses_itself(x, r, self.period)
+
     def projection(self) -> Projection:
         """The whole period over the straight tube."""
         states, (x, r) = self.mirrored().states, self.outline()
@@ -125,6 +130,29 @@ class Profile:
         reflected = values[::-1] * np.array([1.0, -1.0, 1.0, -1.0])
         whole = PiecewisePolynomial(np.append(mesh, 1 - mesh[-2::-1]), np.vstack((values, reflected[1:])))
         return Profile(whole, 2 * self.arclength, False, self.c0, self.lambda1, self.lambda2, self.period)
+
+
+def outline_crosses_itself(x: Array, r: Array, period: float) -> bool:
+    """Whether one period of a curve, as a polygon, crosses itself or the next period.
+
+    Args:
+        x, r: corners, from one end of the period to the other, shape (K,).
+        period: of the curve along ``x``.
+    """
+    if (np.diff(x) > 0).all():
+        return False
+    ends = np.stack((np.append(x[:-1], x + period), np.append(r[:-1], r)))
+    start, along = ends[:, :-1], np.diff(ends)
+    count = along.shape[1]
+
+    def turns(point: Array) -> Array:
+        """On which side of each segment (rows) points (columns) lie."""
+        away = point[:, None, :] - start[:, :, None]
+        return np.asarray(np.sign(along[0][:, None] * away[1] - along[1][:, None] * away[0]))
+
+    parted = turns(start) * turns(start + along) < 0
+    both = parted & parted.T
+    return bool(both[np.triu_indices(count, 2)].any())
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from pearlbvp.continuation.branch import Branch, SpecialPoint
@@ -48,10 +48,12 @@ class Diagram:
             ``3/1 neck`` that centred on a neck, ``3/1 shrink`` its other half where that has other shapes; ``ring 0:2``,
             ``coil 1:1``, ``buckle 1:1`` are those of other families with their mode, ``ring 0:2/1`` what branches off there.
         skipped: branch points that were not followed, by name, and why.
+        twins: of those the ones that lead to a branch again, shifted or mirrored: the name of that.
     """
 
     branches: dict[str, Branch[Any]]
     skipped: dict[str, str]
+    twins: dict[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         rows = [f"  {name}: {len(branch.points)} points, {branch.reason}" for name, branch in self.branches.items()]
@@ -151,6 +153,7 @@ def diagram(
     }
     branches: dict[str, Branch[Any]] = {}
     skipped: dict[str, str] = {}
+    twins: dict[str, str] = {}
     for _ in range(depth + 1):
         for name in tasks:
             progress(name)
@@ -170,7 +173,7 @@ def diagram(
                 continue
             twin = next((other for other, known in branches.items() if join_the_same(known, branch)), None)
             if twin is not None:
-                skipped[name] = f"it is the branch {twin}"
+                skipped[name], twins[name] = f"it is the branch {twin}", twin
                 continue
             branches[name] = branch
             axisymmetric = branch.points[-1].problem.family == "pearl"
@@ -186,7 +189,7 @@ def diagram(
         first, *further = name.split("/")
         return order.index(first), *((int(part.split()[0]), part) for part in further)
 
-    return Diagram({name: branches[name] for name in sorted(branches, key=place)}, skipped)
+    return Diagram({name: branches[name] for name in sorted(branches, key=place)}, skipped, twins)
 
 
 def _by_family(options: Options) -> dict[str, BranchOptions]:

@@ -90,14 +90,14 @@ def _named(end: Solution[Any], stretches: Sequence[Piece]) -> str:
                 shape = piece.at(v)
             except PathEnd:
                 continue
-            if _are_one(shape.observables, end.observables):
+            if are_one(shape.observables, end.observables):
                 return piece.name
     return (
         f"another {end.problem.family} of E = {end.value('E'):.8g} with {end.spectrum.n_unstable} unstable directions"
     )
 
 
-def _are_one(one: Mapping[str, float], other: Mapping[str, float]) -> bool:
+def are_one(one: Mapping[str, float], other: Mapping[str, float]) -> bool:
     """Whether two shapes of one volume are one, to the accuracy of flows."""
     gaps = {name: abs(one[name] - other[name]) for name in ("E", "lambda2", "r_max")}
     return gaps["E"] < ENERGY and gaps["lambda2"] < OTHERS and gaps["r_max"] < OTHERS

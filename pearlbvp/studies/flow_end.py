@@ -82,12 +82,16 @@ def described(end: Equilibrium) -> str:
     }.get(position.family, f"a {hand}{position.family}{' tube' if position.family == 'mixed' else ''}")
 
 
-def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem | MeshProblem, Array]:
+def solution_of(end: Equilibrium, unlike: float = UNLIKE) -> tuple[PearlProblem | TubeProblem | MeshProblem, Array]:
     """The end of a flow as a point of a branch of its family, by Newton's method in the space of its symmetry.
 
     Axisymmetric shapes with a plane of reflection become pearls in arclength, triangulated tubes stay what they are, and all
     others become tubes in reduced modes; a tube with fewer reflections gets a phase condition for each rigid motion that its
     space leaves free. Coils of the other handedness become their mirror images, which the model does not tell apart.
+
+    Args:
+        end: where the flow came to rest.
+        unlike: relative difference of the energies of both that its few modes explain, of tubes in modes.
 
     Raises:
         InputError: it is no equilibrium, or the straight tube, or an axisymmetric graph without a plane of reflection, or
@@ -107,7 +111,7 @@ def solution_of(end: Equilibrium) -> tuple[PearlProblem | TubeProblem | MeshProb
         cosines = [position.known.get(Mode("sigma", p), 0.0) for p in range(end.problem.size[0] + 1)]
         pearls, u = _pearls(end, np.array(cosines), 1e-10)
         return replace(pearls, held=held), u
-    return _tubes(end, position, held)
+    return _tubes(end, position, held, unlike)
 
 
 def similarity(end: Equilibrium) -> Units:
@@ -125,7 +129,9 @@ def _check(end: Equilibrium) -> None:
         raise InputError("flow: its last shape is no equilibrium; let it rest first")
 
 
-def _tubes(end: Equilibrium, position: StandardPosition, held: Held) -> tuple[TubeProblem, Array]:
+def _tubes(
+    end: Equilibrium, position: StandardPosition, held: Held, unlike: float = UNLIKE
+) -> tuple[TubeProblem, Array]:
     """The similar tube of area ``2 pi L`` in the modes of its symmetry, by Newton's method at its reduced volume."""
     found, symmetry = end.observables, position.symmetry
     similar = similarity(end)
@@ -136,9 +142,9 @@ def _tubes(end: Equilibrium, position: StandardPosition, held: Held) -> tuple[Tu
     problem = TubeProblem(symmetry, tube.c0, tube.length, (along, around), tolerance=tolerance, held=held)
     problem = problem.pinned_at(dict(zip(problem.modes, problem.packed(known), strict=True)))
     u = _at_its_volume(problem, np.append(problem.packed(known), _parameters(found, similar)))
-    problem, u = _resolved(problem, u)
+    problem, u = resolved(problem, u)
     energy = problem.observables(u)["E"]
-    if abs(energy - similar.from_user("E", found["E"])) > UNLIKE * abs(energy):
+    if abs(energy - similar.from_user("E", found["E"])) > unlike * abs(energy):
         raise InputError("flow: Newton's method left its end for another equilibrium; let it flow on more modes")
     return problem, u
 
@@ -149,7 +155,7 @@ def _parameters(found: Mapping[str, float], similar: Units) -> Array:
     return np.array([*multipliers, similar.from_user("volume_by_length", found["v"])])
 
 
-def _resolved(problem: Any, u: Array) -> tuple[Any, Array]:
+def resolved(problem: Any, u: Array) -> tuple[Any, Array]:
     """The solution on as many modes, or as fine a mesh, as it needs, at its reduced volume."""
     for _ in range(MOST_REMESHES):
         changed = problem.remesh(u)
@@ -243,7 +249,7 @@ def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlPr
     problem, u, why = pearl_of_graph(tube, v, cosines, tolerance=tolerance)
     if why:
         raise InputError(f"flow: its end led to no equilibrium of the arclength problem ({why})")
-    return _resolved(replace(problem, cells=pearls), u)
+    return resolved(replace(problem, cells=pearls), u)
 
 
 def _plane(graph: GraphFlow, q: Array) -> float:

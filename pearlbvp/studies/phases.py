@@ -6,8 +6,9 @@ Branches come from ``studies.diagram``. Every statement rests on them: a shape o
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -19,16 +20,19 @@ from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, WaveNumbers, cylinder_energy, known_tube, whole
+from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, WaveNumbers, cylinder_energy, known_tube, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.studies.branch import branch_options
 from pearlbvp.studies.diagram import ENDS, diagram
-from pearlbvp.studies.stretches import SAME_VOLUME, Piece, distinct, is_same, pieces
+from pearlbvp.studies.search import Search
+from pearlbvp.studies.shape import both_ways
+from pearlbvp.studies.stretches import SAME_VOLUME, Piece, distinct, is_same, passes_through_itself, pieces
 from pearlbvp.studies.transitions import STRAIGHT, least_parts, ranges, transitions
 from pearlbvp.theory.dispersion import critical_lambda2, stable_interval
 
 COLUMNS = ["v", "branch", "family", "symmetry", "rank", "E", "excess", "lambda1", "lambda2", "force", "n_unstable", "mu_crit",
-           "critical", "amplitude", "r_min", "r_max", "c0", "L", "branches", "depth", "message"]  # fmt: skip
+           "critical", "amplitude", "r_min", "r_max", "c0", "L", "branches", "depth", "message", "starts", "rest_here",
+           "origin", "multiplicity"]  # fmt: skip
 CURVES = ["branch", "stable", "v", "E", "excess"]
 OBSERVED = ("E", "lambda1", "lambda2", "force", "amplitude", "r_min", "r_max")
 
@@ -46,7 +50,7 @@ MOST_UNSTABLE = 2
 
 @dataclass(frozen=True)
 class WithinVolumes:
-    """A reason to end a branch: its volume leaves a range."""
+    """A reason to end a branch: its volume leaves a range, or its shapes pass through themselves."""
 
     low: float
     high: float
@@ -54,7 +58,7 @@ class WithinVolumes:
     def __call__(self, point: Solution[Any]) -> str | None:
         """Why a branch ends at a point, or None."""
         inside = self.low - SAME_VOLUME <= point.value("v") <= self.high + SAME_VOLUME
-        return None if inside else "its volume leaves the range"
+        return passes_through_itself(point) if inside else "its volume leaves the range"
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,10 @@ class Phases:
         skipped: branch points that were not followed, by name, and why.
         unfinished: branches that end within the range, and why.
         depth: to which they were followed.
+        starts: random shapes that were relaxed.
+        rested: how many came to rest on each branch, by name; under ``unstable`` those that came to unstable shapes of none.
+        restless: why others did not, and how many.
+        origins: of branches that only random starts led to, where they meet others; empty where that is not known.
     """
 
     tube: Tube
@@ -84,6 +92,10 @@ class Phases:
     skipped: Mapping[str, str]
     unfinished: Mapping[str, str]
     depth: int
+    starts: int = 0
+    rested: Mapping[str, int] = field(default_factory=dict)
+    restless: Mapping[str, int] = field(default_factory=dict)
+    origins: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         whole = self.ranges.itertuples(index=False)
@@ -94,7 +106,10 @@ class Phases:
     @property
     def rests_on(self) -> str:
         """What is meant by the least."""
-        return f"{len(self.branches)} branches to depth {self.depth}"
+        words = f"{len(self.branches)} branches to depth {self.depth}"
+        if not self.starts:
+            return words
+        return f"{words}, and where {sum(self.rested.values())} of {self.starts} random starts came to rest"
 
     def shapes(self, v: float) -> dict[str, Solution[Any]]:
         """The stable shapes of a volume of the table by name, the least first."""
@@ -111,6 +126,8 @@ def phases(
     modes: Iterable[WaveNumbers] | None = None,
     unstable: int = MOST_UNSTABLE,
     flows: bool = False,
+    starts: int = 0,
+    seed: int = 0,
     processes: int = 1,
     progress: Callable[[str], None] = lambda name: None,
 ) -> Phases:
@@ -123,6 +140,8 @@ def phases(
         modes: follow every family of these; by default ``default_modes``.
         unstable: what crosses a branch is followed where so many directions, or fewer, are unstable.
         flows: let shapes flow where they lose their stability, to see what they fall to.
+        starts: random shapes that are relaxed, to find shapes on other branches, which are followed, too.
+        seed: of the random shapes: the same seed, the same shapes.
         processes: how many to work in; 0 for one a core.
         progress: called with the name of each branch before it is followed.
 
@@ -145,20 +164,51 @@ def phases(
                     refused=partial(_too_unstable, unstable))  # fmt: skip
     if not found.branches:
         raise InputError("modes: no branch could be followed; choose other modes, or another length")
+    starts, seed = whole("starts", starts, 0), whole("seed", seed, 0)
     everything = [piece for name, branch in found.branches.items() for piece in pieces(name, branch)]
-    stretches = distinct([piece for piece in everything if piece.stable])
+    begun = Search(dict(found.branches), everything)
+    if starts:
+        begun = _searched(
+            tube, found.branches, (wanted[0], wanted[-1]), (low, high), unstable, starts, seed, processes, progress
+        )
+    found, everything = replace(found, branches=begun.branches), begun.pieces
+    stretches, images = distinct([piece for piece in everything if piece.stable])
+    alike = Counter((found.twins | images).values())
     unfinished = {name: branch for name, branch in found.branches.items() if _ends_within(branch, low, high)}
     said = {name: branch.reason for name, branch in unfinished.items()}
     parts = least_parts(stretches, wanted[0], wanted[-1], lambda what: said.update({what.partition(",")[0]: what}))
     table, solutions = _at_volumes(tube, wanted, stretches, unfinished)
-    table = table.assign(c0=tube.c0, L=tube.length, branches=len(found.branches), depth=depth)
+    table = table.assign(c0=tube.c0, L=tube.length, branches=len(found.branches), depth=depth, starts=starts)
+    here = table["branch"].map(dict(begun.rested)).fillna(0)
+    table = table.assign(rest_here=here, origin=table["branch"].map(begun.origins),
+                         multiplicity=table["branch"].map({name: 1 + alike[name] for name in found.branches}))  # fmt: skip
     falls = partial(_falls, everything, stretches) if flows else _no_falls
     events = transitions(tube, parts, stretches, list(found.branches), (wanted[0], wanted[-1]), falls)
     curves = _curves(everything, stretches, wanted[0], wanted[-1])
-    table = table.reindex(columns=COLUMNS).astype({"n_unstable": "Int64", "rank": "Int64"})
+    table = table.reindex(columns=COLUMNS).astype(
+        {"n_unstable": "Int64", "rank": "Int64", "rest_here": "Int64", "multiplicity": "Int64"}
+    )
     return Phases(
-        tube, table, events, solutions, ranges(parts), curves, found.branches, found.skipped, said, depth
+        tube, table, events, solutions, ranges(parts), curves, found.branches, found.skipped, said, depth, starts,
+        begun.rested, begun.restless, begun.origins,
     )  # fmt: skip
+
+
+def _searched(
+    tube: Tube, branches: Mapping[str, Branch[Any]], volumes: tuple[float, float], ends: tuple[float, float],
+    unstable: int, starts: int, seed: int, processes: int, progress: Callable[[str], None],
+) -> Search:  # fmt: skip
+    """Pearls beside unduloids, and what random starts come to: stable shapes on no known branch are followed both ways."""
+    from pearlbvp.studies.starts import search  # the flow's rooms, which nothing else here needs
+    from pearlbvp.studies.unduloids import beside_unduloids
+
+    down, up = (replace(branch_options({"v": v}), limit=WithinVolumes(*ends)) for v in ends)
+
+    def follow(shape: Solution[Any]) -> Branch[Any]:
+        return both_ways(shape.problem, shape.u, down, up)
+
+    known = {**branches, **beside_unduloids(tube, branches, *volumes, unstable, follow)}
+    return search(tube, known, volumes, starts, seed, follow, processes, progress)
 
 
 def _falls(everything: Sequence[Piece], stretches: Sequence[Piece], piece: Piece, upper: bool) -> list[str]:
@@ -257,11 +307,7 @@ def _at_volumes(
         if abs(v - 1) <= SAME_VOLUME and stable_interval(tube).exists:
             here.append(_straight_row(tube))
         here.sort(key=lambda row: float(row["E"]))
-        said = (
-            ["no stable shape was found; follow to a larger depth, or where more directions are unstable"] * (not here)
-            + said
-            + failed
-        )
+        said = [NONE] * (not here) + said + failed
         for rank, row in enumerate(here, start=1):
             rows.append({"v": v, **row, "rank": rank, "excess": row["E"] - here[0]["E"], "message": "; ".join(said)})
         if not here:
@@ -274,12 +320,14 @@ def _stable_at(v: float, stretches: Sequence[Piece]) -> tuple[dict[str, Solution
     found: dict[str, Solution[Any]] = {}
     failed = []
     for piece in stretches:
-        if not piece.low - SAME_VOLUME <= v <= piece.high + SAME_VOLUME or abs(v - 1) <= SAME_VOLUME:
+        if not piece.low - SAME_VOLUME <= v <= piece.high + SAME_VOLUME:
             continue
         try:
             shape = piece.at(v)
         except PathEnd as error:
             failed.append(f"{piece.name}: {error.args[0]}")
+            continue
+        if shape.value("amplitude") < SMALLEST_AMPLITUDE:  # the straight tube, which is a shape of its own
             continue
         if shape.spectrum.n_unstable == 0 and not any(is_same(shape, other) for other in found.values()):
             found[f"{piece.name} again" if piece.name in found else piece.name] = shape

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, Status
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.solution import Solution
@@ -77,14 +79,24 @@ def shape_branch(
         )
     problem = replace(problem, held=held, cells=cells)
     held.check(problem.observables(u))
+    return both_ways(problem, u, options, options)
+
+
+def both_ways(problem: Any, u: Array, down: BranchOptions, up: BranchOptions) -> Branch[Any]:
+    """The branch through a solution, from smaller to larger volume there.
+
+    Args:
+        problem, u: the solution.
+        down, up: where to stop on either side, and how to step; ``up`` sees the progress of the whole.
+    """
     upwards = np.zeros_like(u)
     upwards[-1] = 1.0  # v is the last unknown
     tangent = tangent_along(problem, u, upwards)
-    down = continue_branch(Solution.along(problem, u, -tangent), options)
-    lower, asked = down.reversed(), options
-    both = replace(options, progress=lambda so_far: asked.progress(lower.extended(so_far)))
-    both_ways = lower.extended(continue_branch(Solution.along(problem, u, tangent), both))
-    if not down.failed:
-        return both_ways
-    reason = Sentence.joined("towards smaller volumes ", down.reason, "; towards larger ones ", both_ways.reason)
-    return replace(both_ways, reason=reason, status=Status.FAILED)
+    below = continue_branch(Solution.along(problem, u, -tangent), down)
+    lower = below.reversed()
+    both = replace(up, progress=lambda so_far: up.progress(lower.extended(so_far)))
+    whole_branch = lower.extended(continue_branch(Solution.along(problem, u, tangent), both))
+    if not below.failed:
+        return whole_branch
+    reason = Sentence.joined("towards smaller volumes ", below.reason, "; towards larger ones ", whole_branch.reason)
+    return replace(whole_branch, reason=reason, status=Status.FAILED)

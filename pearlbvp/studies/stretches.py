@@ -19,6 +19,7 @@ from pearlbvp.continuation.events import first_wanted
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.continuation.solution import Solution
+from pearlbvp.shapes.pearl import PearlProblem
 
 STEEPEST = 3.0
 """Slope of an energy by that of the chord beyond which it is taken from the chord: multipliers pass through infinity there."""
@@ -155,13 +156,21 @@ def _is_stable_between(branch: Branch[Any], i: int) -> bool:
     return spectrum.complete and spectrum.n_unstable == 0
 
 
-def distinct(stretches: Sequence[Piece]) -> list[Piece]:
-    """Without those that are images of another on all volumes of theirs, as far as energy and pressure tell."""
+def distinct(stretches: Sequence[Piece]) -> tuple[list[Piece], dict[str, str]]:
+    """Without those that are images of another on all volumes of theirs, as far as energy and pressure tell.
+
+    Returns:
+        The pieces that are kept, and the branches of the others by name, each with that of its image.
+    """
     kept: list[Piece] = []
+    images: dict[str, str] = {}
     for one in sorted(stretches, key=lambda piece: piece.low - piece.high):
-        if not any(_is_image(one, other) for other in kept):
+        image = next((other for other in kept if _is_image(one, other)), None)
+        if image is None:
             kept.append(one)
-    return [piece for piece in stretches if piece in kept]
+        else:
+            images[one.name] = image.name
+    return [piece for piece in stretches if piece in kept], images
 
 
 def _is_image(one: Piece, other: Piece) -> bool:
@@ -181,6 +190,17 @@ def is_same(one: Solution[Any], other: Solution[Any]) -> bool:
     p, q = one.observables, other.observables
     gaps = {name: abs(p[name] - q[name]) for name in ("E", "lambda2", "r_max")}
     return gaps["E"] < SAME_ENERGY and max(gaps["lambda2"], gaps["r_max"]) < SAME_SLOPE
+
+
+def passes_through_itself(shape: Solution[Any]) -> str | None:
+    """Why a shape is none of a membrane, or None.
+
+    Only outlines that overhang can cross themselves before their family's own limits: reduced modes have one closed
+    section in each plane across the axis, star-shaped as long as ``r_min > 0``, and rings end where they touch.
+    """
+    if isinstance(shape.problem, PearlProblem) and shape.problem.profile(shape.u).crosses_itself():
+        return "its outline crosses itself: the surface passes through itself"
+    return None
 
 
 def equal_energies(one: Piece, other: Piece) -> list[float]:

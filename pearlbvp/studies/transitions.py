@@ -152,7 +152,7 @@ def _of_stability(
     point, special = branch.points[number], [found for found in branch.special if found.index == number]
     blocks = dict.fromkeys(str(found.block) for found in special if found.block is not None)
     located = any(found.converged for found in special)
-    ended = "end" in kinds and branch.status is not Status.PITCHFORK
+    ended = "end" in kinds and branch.status is not Status.PITCHFORK and "bp" not in kinds
     return {
         "v": point.value("v"), "event": "end" if ended else event, "branch": piece.name,
         "other": " ".join(_neighbours(piece, number, stretches, names)),
@@ -172,7 +172,7 @@ def _neighbours(piece: Piece, number: int, stretches: Sequence[Piece], names: Se
     """
     branch, name = piece.branch, piece.name
     here = [str(k) for k, found in enumerate(branch.find("bp"), start=1) if found.index == number]
-    found = [name.rpartition("/")[0] or STRAIGHT] if number == 0 else []
+    found = [name.rpartition("/")[0] or STRAIGHT] if number == 0 and "start" in branch.kinds(0) else []
     children = {f"{name}/{k}" for k in here}
     found += [other for other in names if other.removesuffix(" neck").removesuffix(" shrink") in children]
     place = branch.points[number].observables

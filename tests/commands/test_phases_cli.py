@@ -11,7 +11,7 @@ import pearlbvp as pb
 from pearlbvp.studies.phases import COLUMNS
 from pearlbvp.studies.transitions import COLUMNS as EVENTS
 
-TUBE = ["--c0", "0.48", "--length", "15", "--mode", "2,0", "--processes", "1"]
+TUBE = ["--c0", "0.48", "--length", "15", "--mode", "2,0", "--starts", "4", "--processes", "1"]
 
 
 def test_tables_and_picture(capsys, tmp_path):

@@ -84,7 +84,7 @@ FROM_A_TUBE = {
     "period": (["--c0", "{c0}", "--lengths", "{L}", "--volume", "1.01", "--processes", "1"], ()),
     "amplitude": (["--c0", "{c0}", "--length", "{L}", "--mode", "2,0", "--mode", "1,1"], ("--branch",)),
     "amplitude-map": (["--c0", "{c0},{c1}", "--lengths", "{L},{L1}"], ("--meetings",)),
-    "phases": (["--c0", "{c0}", "--length", "{L}", "--volumes", "1.005,1.02", "--mode", "2,0", "--processes", "1"],
+    "phases": (["--c0", "{c0}", "--length", "{L}", "--volumes", "1.005,1.02", "--mode", "2,0", "--starts", "4", "--processes", "1"],
                ("--transitions",)),
     "branch pearl": (["--c0", "{c0}", "--length", "{L}", "--mode", "2,0", "--max-points", "3", "--fix", "osmotic=90,ade=1"],
                      ()),
@@ -219,7 +219,7 @@ def test_tables_with_units_are_read_back(capsys, saved, tmp_path):
         capsys, "localized", "--c0", 0.48, "--period", 7.5, "--lengths", 15, "--compare", tmp_path / "l.csv"
     )
     assert (status, err) == (2, "pearlbvp: --compare: column C0[1/nm]: 1/nm has a unit, so the radius needs one; give "
-                                "--radius, like 50nm, too\n")  # fmt: skip
+                                "--radius 50nm or the like, too\n")  # fmt: skip
 
 
 def test_a_branch_in_nanometres_is_compared_in_micrometres(capsys, saved, tmp_path):

@@ -65,6 +65,10 @@ def test_stability_changes_where_they_are_computed_otherwise(three):
     assert list(three.ranges["branch"]) == ["3", "3/1"]
     assert list(three.branches) == ["3", "3/1", "3/1 shrink"]  # the two halves of a transcritical crossing
     assert three.skipped == {"3/1 neck": "it is the branch 3/1"}
+    assert set(three.table.loc[three.table["branch"] == "3/1", "multiplicity"]) == {
+        2
+    }  # a pearl or a neck at its centre
+    assert set(three.table.loc[three.table["branch"] == "3", "multiplicity"]) == {1}
 
 
 def test_all_stable_shapes_of_a_volume_stand_by_their_energy(three):

@@ -1,0 +1,85 @@
+"""Pearls beside unduloids, which are known in closed form: a way to their branches from where multipliers are infinite."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.path import correct_at
+from pearlbvp.continuation.solution import Solution
+from pearlbvp.continuation.switching import tangent_along
+from pearlbvp.errors import SpectrumError
+from pearlbvp.helfrich import Tube
+from pearlbvp.newton import NewtonOptions
+from pearlbvp.shapes.unduloid import Unduloid, unduloid_of, unduloid_pearl
+
+BESIDE = 0.05
+"""Compliance ``1/lambda1`` at which pearls beside an unduloid are computed: multipliers are large there, and finite."""
+
+MEETING = 1e-6
+"""Difference of the volumes of an unduloid and of where a branch passes one."""
+
+
+def beside_unduloids(
+    tube: Tube, branches: Mapping[str, Branch[Any]], low: float, high: float, unstable: int,
+    follow: Callable[[Solution[Any]], Branch[Any]],
+) -> dict[str, Branch[Any]]:  # fmt: skip
+    """Branches of equal pearls through the unduloids that a tube has, by name: ``unduloid 2`` of two periods.
+
+    Args:
+        tube: the straight tube.
+        branches: those that are known: what they pass is left out.
+        low, high: range of volumes.
+        unstable: directions that are unstable at most on the side that is followed.
+        follow: makes of a shape the branch through it.
+    """
+    found: dict[str, Branch[Any]] = {}
+    pearls = 1
+    while (unduloid := unduloid_of(tube.length / pearls)) is not None or tube.wave_number(pearls) <= 1:
+        if unduloid is not None and unduloid.v < low:
+            break
+        if (
+            unduloid is not None
+            and unduloid.v <= high
+            and not any(_passes(b, pearls, unduloid) for b in branches.values())
+        ):
+            shape = next((s for s in _sides(tube, pearls, unduloid) if s.spectrum.n_unstable <= unstable), None)
+            if shape is not None:
+                found[f"unduloid {pearls}"] = follow(shape)
+        pearls += 1
+    return found
+
+
+def _passes(branch: Branch[Any], pearls: int, unduloid: Unduloid) -> bool:
+    """Whether a branch of as many equal pearls passes an unduloid."""
+    return any(
+        abs(branch.at(special).value("v") - unduloid.v) < MEETING and branch.at(special).problem.repeats[0] == pearls
+        for special in branch.find("cmc")
+    )
+
+
+def _sides(tube: Tube, pearls: int, unduloid: Unduloid) -> list[Solution[Any]]:
+    """Pearls on either side of an unduloid, where they can be computed.
+
+    Energies are smooth there, and ``-2 dE/dv = lambda2`` is infinite: the volume turns. So the compliance is what to step in.
+    """
+    problem, u = unduloid_pearl(tube.c0, unduloid, cells=pearls)
+    place = len(u) - len(problem.free) + problem.free.index("compliance")
+    found = []
+    for side in (BESIDE, -BESIDE):  # on the second the tension is large and negative, and many waves grow
+        guess = u.copy()
+        guess[place] = side
+        result, _ = correct_at(problem, guess, NewtonOptions(), place)
+        if not result.converged:
+            continue
+        plain, (v,) = problem.plain(result.u)
+        upwards = np.zeros_like(v)
+        upwards[-1] = 1.0
+        try:
+            found.append(Solution.along(plain, v, tangent_along(plain, v, upwards)).computed())
+        except (SpectrumError, np.linalg.LinAlgError):
+            continue
+    return found

@@ -1,0 +1,65 @@
+"""Outlines of least energy: against AUTO-07p, spheres and catenoids in closed form, and differences."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pearlbvp.minimum import least, step_within
+from pearlbvp.shapes.outline import Outline, pearl_of_outline
+
+AUTO = pd.read_csv(Path(__file__).parents[1] / "data" / "auto07p_pearl_c0_0_L10_m1.csv")
+
+
+def test_the_least_energy_is_that_of_auto():
+    row = AUTO[AUTO["v"] == 1.005].iloc[0]
+    outline = Outline(0.0, 5.0, 1.005, 24)
+    found = least(outline, outline.random(np.random.default_rng(0)))
+    assert not found.reason
+    assert found.energy == pytest.approx(row["E"], abs=1e-9)
+    assert found.multipliers[1:] == pytest.approx([row["lambda1"], row["lambda2"] / 2], abs=1e-7)
+    problem, u, why = pearl_of_outline(outline, found.q, found.multipliers)
+    assert not why
+    assert problem.observables(u)["E"] == pytest.approx(found.energy, abs=1e-9)
+
+
+def test_a_sphere_has_its_energy_area_and_volume():
+    """``psi = pi/2 - s/R`` from pole to pole is no sum of sines from 0, but its belly is: a zone of a sphere by its mirrors."""
+    outline, zone = Outline(0.3, 1.0, 1.0, 64), 1.1
+    sigma = (np.arange(256) + 0.5) / 256
+    k = np.pi * np.arange(1, 65)
+    b = 2 * np.sin(np.outer(k, sigma)) @ (-zone * np.minimum(sigma, 1 - sigma)) / 256
+    q = np.append(b, [1.0, zone])
+    r = outline.states(q, np.array([0.25]))[0, 0]
+    assert r == pytest.approx(np.cos(zone / 4), abs=1e-4)  # R = 1: r = cos(s)
+    assert outline.states(q, np.array([0.25]))[0, 2] == pytest.approx(
+        1.0, abs=2e-2
+    )  # its mean curvature, but for the kinks
+
+
+def test_derivatives_are_those_of_differences():
+    outline, random = Outline(0.3, 5.0, 1.05, 6), np.random.default_rng(1)
+    q = np.concatenate((0.2 * random.standard_normal(6), [1.1, 5.2]))
+    multipliers = np.array([0.3, 0.2, 0.5])
+
+    def slope(function):
+        return np.array([(function(q + 1e-6 * e) - function(q - 1e-6 * e)) / 2e-6 for e in np.eye(8)])
+
+    def lagrangian(at):
+        return outline.gradient(at) + multipliers @ outline.constraint_rows(at)
+
+    np.testing.assert_allclose(outline.gradient(q), slope(outline.energy), atol=1e-9)
+    np.testing.assert_allclose(outline.constraint_rows(q), slope(outline.constraints).T, atol=1e-8)
+    np.testing.assert_allclose(outline.hessian(q, multipliers), slope(lagrangian), atol=1e-8)
+
+
+def test_steps_leave_a_saddle_and_end_at_a_minimum():
+    assert np.linalg.norm(step_within(np.array([-1.0, 2.0]), np.zeros(2), 0.5)) == pytest.approx(0.5)
+    np.testing.assert_allclose(step_within(np.array([1.0, 4.0]), np.array([-1.0, 2.0]), 9.0), [1.0, -0.5])
+    bends, slopes = np.array([-1.0, 3.0]), np.array([0.2, -0.3])
+    found = step_within(bends, slopes, 1.0)
+    angles = np.linspace(0, 2 * np.pi, 20001)
+    circle = np.array([np.cos(angles), np.sin(angles)])
+    energies = slopes @ circle + bends @ circle**2 / 2
+    assert slopes @ found + bends @ found**2 / 2 == pytest.approx(energies.min(), abs=1e-7)

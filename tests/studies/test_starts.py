@@ -1,0 +1,61 @@
+"""Random starts: they come to rest on branches that are followed otherwise, and lead to those that are not."""
+
+import numpy as np
+import pytest
+
+from pearlbvp.helfrich import Tube
+from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.phases import phases
+from pearlbvp.studies.starts import Start, at_rest, starts_within
+
+
+def test_starts_come_to_rest_on_a_branch_that_was_followed():
+    found = phases(Tube(0.48, 10), [1.05, 1.1], modes=[(1, 0)], depth=0, starts=6, seed=3)
+    assert found.rested == {"1": 6}
+    assert (not found.origins, not found.restless) == (True, True)
+    assert set(found.table["rest_here"]) == {6}
+    assert "6 of 6 random starts" in found.rests_on
+
+
+@pytest.mark.parametrize(
+    ("axisymmetric", "v", "family", "mode"), [(True, 1.1, "pearl", (1, 0)), (False, 0.9, "coil", (1, 1))]
+)
+def test_what_is_minimised_is_what_is_followed(axisymmetric, v, family, mode):
+    tube = Tube(0.0, 10)
+    rest, end = (
+        at_rest(Start(tube, v, (0, 1), axisymmetric)),
+        family_branch(tube, family, mode, branch_options({"v": v})),
+    )
+    for name in ("E", "lambda1", "lambda2"):
+        assert rest.value(name) == pytest.approx(end.points[-1].value(name), abs=1e-8)
+    assert rest.spectrum.n_unstable == 0
+    assert rest.value("E") == pytest.approx(end.points[-1].value("E"), abs=1e-9)
+
+
+def test_a_start_leads_to_a_branch_that_was_not_followed():
+    """Coils, where wrinkles alone are asked for: the whole branch, back to where the straight tube begins."""
+    found = phases(Tube(0.0, 10), [0.92, 0.95], modes=[(0, 2)], depth=0, starts=2)
+    (name,) = found.origins
+    coil = family_branch(Tube(0.0, 10), "coil", (1, 1), branch_options({"v": 0.92})).points[-1]
+    assert found.shapes(0.92)[name].value("E") == pytest.approx(coil.value("E"), abs=1e-9)
+    (row,) = found.table[(found.table["v"] == 0.92) & (found.table["branch"] == name)].itertuples()
+    assert (row.family, row.rank, row.starts) == ("coil", 1, 2)
+    assert row.rest_here == found.rested[name] > 0
+
+
+def test_the_same_seed_makes_the_same_starts():
+    cases = starts_within(Tube(0.0, 10), 0.9, 1.1, 5, 7)
+    assert cases == starts_within(Tube(0.0, 10), 0.9, 1.1, 5, 7) != starts_within(Tube(0.0, 10), 0.9, 1.1, 5, 8)
+    assert np.diff([case.v for case in cases]).min() > 0
+    first, again = at_rest(cases[-1]), at_rest(cases[-1])
+    assert np.array_equal(first.u, again.u)
+
+
+def test_one_large_and_three_smaller_pearls_are_found_that_no_branch_leads_to():
+    """Stable from ``v = 0.974637`` to 1.3, as the flow showed: where they begin to be, another branch crosses, not the tube."""
+    found = phases(Tube(0.75, 20), [0.97, 1.0], depth=0, modes=[(3, 0)], starts=4)
+    (event,) = found.transitions[found.transitions["event"] == "stable"].itertuples()
+    assert event.branch.startswith("start")
+    assert event.v == pytest.approx(0.974637, abs=1e-6)
+    assert (event.other, event.critical) == ("", "n=0 j=0/1 even")
+    assert found.shapes(1.0)[event.branch].problem.repeats == (1, 0)
