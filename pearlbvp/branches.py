@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pearlbvp.explorer.page import Explorer
+    from pearlbvp.held import Held
     from pearlbvp.mesh.periodic import PeriodicMesh
 
 Until = Mapping[str, float]
@@ -138,6 +139,7 @@ class Branch(core.Branch[Any]):
         *,
         centre: Literal["pearl", "neck"] | None = None,
         grow: bool = True,
+        fix: str | Held | None = None,
         **how: Any,
     ) -> Branch:
         """The branch that crosses this one at its branch point ``number`` (the first is 1).
@@ -147,6 +149,7 @@ class Branch(core.Branch[Any]):
             until: where to stop.
             centre: of pearls: whether the new shapes are centred on a pearl or on a neck.
             grow: which half of a pitchfork is followed: that on which the tube grows at its centre, or the other.
+            fix: what is held from there on while stability is judged, as ``pearlbvp.branch`` takes it; by default as here.
             how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
 
         Raises:
@@ -154,7 +157,9 @@ class Branch(core.Branch[Any]):
         """
         from pearlbvp.studies.onward import switched
 
-        return followed_by(lambda options: switched(self, number, options, centre=centre, grow=grow), until, how)
+        return followed_by(
+            lambda options: switched(self, number, options, centre=centre, grow=grow, fix=fix), until, how
+        )
 
     def vary(
         self,
@@ -164,6 +169,7 @@ class Branch(core.Branch[Any]):
         point: int = -1,
         keep: str = "v",
         down: bool | None = None,
+        fix: str | Held | None = None,
         **how: Any,
     ) -> Branch:
         """The branch through a point of this one along which ``c0`` or ``L`` varies.
@@ -174,6 +180,7 @@ class Branch(core.Branch[Any]):
             point: from which point; by default the last.
             keep: what stays as it is there: ``v`` or ``lambda2``.
             down: whether to begin towards smaller values; by default towards where ``until`` wants it.
+            fix: what is held from there on while stability is judged, as ``pearlbvp.branch`` takes it; by default as here.
             how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
 
         Raises:
@@ -185,10 +192,20 @@ class Branch(core.Branch[Any]):
         if not -len(self) <= point < len(self):
             raise InputError(f"point: there is no point {point}; the branch has points 0 to {len(self) - 1}")
         upwards = _upwards(down, until, name, self.points[point].observables)
-        return followed_by(lambda options: varied(self, point, name, options, keep=keep, upwards=upwards), until, how)
+        return followed_by(
+            lambda options: varied(self, point, name, options, keep=keep, upwards=upwards, fix=fix), until, how
+        )
 
     def follow(
-        self, kind: str, number: int, name: str, until: Until | None = None, *, down: bool | None = None, **how: Any
+        self,
+        kind: str,
+        number: int,
+        name: str,
+        until: Until | None = None,
+        *,
+        down: bool | None = None,
+        fix: str | Held | None = None,
+        **how: Any,
     ) -> Branch:
         """The curve of one of this branch's folds or branch points while ``c0`` or ``L`` varies.
 
@@ -198,6 +215,7 @@ class Branch(core.Branch[Any]):
             name: what varies.
             until: where to stop.
             down: whether to begin towards smaller values; by default towards where ``until`` wants it.
+            fix: what is held from there on while stability is judged, as ``pearlbvp.branch`` takes it; by default as here.
             how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
 
         Raises:
@@ -206,7 +224,9 @@ class Branch(core.Branch[Any]):
         from pearlbvp.studies.onward import followed
 
         upwards = _upwards(down, until, name, self.points[-1].observables)
-        return followed_by(lambda options: followed(self, kind, number, name, options, upwards=upwards), until, how)
+        return followed_by(
+            lambda options: followed(self, kind, number, name, options, upwards=upwards, fix=fix), until, how
+        )
 
     def save(self, path: str | os.PathLike[str], units: Units = RADII) -> None:
         """Save it as HDF5, whole or not at all; ``pearlbvp.load`` reads it.

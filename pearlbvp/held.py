@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
+from pearlbvp.quantities import has_unit
 
 DEGREES = np.array([2.0, 3.0, 1.0])
 """Powers of length of area, volume and integrated mean curvature."""
@@ -238,6 +239,10 @@ def known_held(what: str | Held) -> Held:
         if name in WITH_NUMBER:
             if not equals:
                 raise InputError(f"fix: {name} needs a number; give one like {name}=1")
+            if has_unit(number):
+                raise InputError(
+                    f"fix: {name}={number} has a unit; convert it by the tube's, Units.of(radius, kappa).fix(text, L)"
+                )
             values[WITH_NUMBER[name]] = finite(f"fix {name}", number)  # type: ignore[arg-type]
             if abs(values[WITH_NUMBER[name]]) > STIFFEST:
                 stays = (

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 
@@ -54,6 +54,10 @@ class MembraneProblem(Problem):
     @abstractmethod
     def held(self) -> Held:
         """What is held while stability is judged."""
+
+    def holding(self, held: Held) -> Self:
+        """The same equilibria, judged by what else is held."""
+        return self if held == self.held else replace(self, held=held)  # type: ignore[type-var]  # families are dataclasses
 
     @abstractmethod
     def largest_wave(self, u: Array) -> float:

@@ -24,6 +24,7 @@ from pearlbvp.dimensions import AXES, QUANTITIES
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, finite, positive
 from pearlbvp.quantities import Dimension, Measured, has_unit, read
+from pearlbvp.reservoirs import in_radii
 from pearlbvp.scale import CONVENTIONS, Scale
 
 if TYPE_CHECKING:
@@ -187,6 +188,18 @@ class Units(Conversion):
         """
         curvature, period = self.number("c0", c0, "c0"), positive("length", self.number("length", length, "length"))
         return Tube(self.from_user("c0", curvature), self.from_user("length", period))
+
+    def fix(self, text: str, length: float) -> str:
+        """What is held, in pure numbers, from a text in which solute is a concentration, or a modulus an energy.
+
+        Args:
+            text: ``"tension,osmotic=300mM"``, ``"ade=60kT"``.
+            length: of the whole tube, in radii.
+
+        Raises:
+            InputError: a unit of another dimension, or the radius or the rigidity is missing.
+        """
+        return in_radii(text, self.scale, self.to_user("osmolarity", 1.0), length)
 
     def radii(self, **quantities: Any) -> dict[str, Any]:
         """Quantities as a tube of radius 1 has them, by their names: what functions take in radii.

@@ -8,7 +8,7 @@ import click
 
 from pearlbvp.commands.arguments import FamilyName, ModeNumbers, Nodes, Number, Numbers, check_meshable
 from pearlbvp.commands.command import Command, Option
-from pearlbvp.commands.following import Following, following, save_option
+from pearlbvp.commands.following import Following, fix_option, following, save_option
 from pearlbvp.errors import InputError
 
 
@@ -70,13 +70,7 @@ from pearlbvp.errors import InputError
     show_default=True,
     help="With --shape: periods on the tube that stability is judged on; L is that of one.",
 )
-@click.option(
-    "--fix",
-    default="area,volume",
-    show_default=True,
-    metavar="WHAT",
-    help="What is held while stability is judged: area or tension, volume, pressure or osmotic=N, length or force, ade=ALPHA.",
-)
+@fix_option()
 @click.option("--pressure", cls=Option, excludes=("fix",), is_flag=True, help="The same as --fix area,pressure.")
 @save_option
 @following
@@ -126,7 +120,8 @@ def branch(
     asked = Following(**how).checked()
     if shape is not None and family != "pearl":
         raise InputError(f"--shape: it is for pearls only; leave it out with {family}")
-    tube, fix = asked.units.tube(c0, length), "area,pressure" if pressure else fix
+    tube = asked.units.tube(c0, length)
+    fix = "area,pressure" if pressure else asked.units.fix(fix, tube.length * cells)
     if shape is not None:
         waves = [asked.units.from_user("shape", amplitude) for amplitude in shape]
         return asked.run(lambda options: _of_shape(tube, volume, waves, options, cells, fix, tolerance))

@@ -10,6 +10,7 @@ import click
 
 from pearlbvp.commands.arguments import File, ModeNumbers, Number, Until, wanted_places
 from pearlbvp.commands.command import Command, Option, of_this_command
+from pearlbvp.commands.following import fix_option
 from pearlbvp.commands.output import SOME_FAILED, check_distinct, check_outputs, outputs, radius_option, write
 from pearlbvp.errors import InputError
 from pearlbvp.messages import say
@@ -63,6 +64,7 @@ if TYPE_CHECKING:
     type=click.IntRange(min=1),
     help="Without files: how many.  [default: one a core]",
 )
+@fix_option(excludes=("files",))
 @outputs
 @radius_option
 def diagram(
@@ -75,6 +77,7 @@ def diagram(
     modes: tuple[tuple[int, int], ...],
     until: tuple[tuple[str, float], ...],
     processes: int | None,
+    fix: str,
     out: Path | None,
     plot: Path | None,
     units: Units,
@@ -97,7 +100,7 @@ def diagram(
     if files:
         branches = _saved(files)
     else:
-        branches = _computed(c0, length, depth, modes, until, processes, units)  # type: ignore[arg-type]
+        branches = _computed(c0, length, depth, modes, until, processes, fix, units)  # type: ignore[arg-type]
     table = units.columns(together(branches))
     for option, name in (("--x", x), ("--y", y)):
         if name not in table:
@@ -156,6 +159,7 @@ def _computed(
     modes: tuple[tuple[int, int], ...],
     until: tuple[tuple[str, float], ...],
     processes: int | None,
+    fix: str,
     units: Units,
 ) -> dict[str, Branch[Any]]:
     """All branches of a tube to a depth.
@@ -177,7 +181,8 @@ def _computed(
             bar.update()
 
         found = study(
-            tube.c0, tube.length, depth, options, follow, modes=list(modes) or None, processes=processes or 0
+            tube.c0, tube.length, depth, options, follow, modes=list(modes) or None, processes=processes or 0,
+            fix=units.fix(fix, tube.length),
         )  # fmt: skip
     for name, why in found.skipped.items():
         say(f"{name} was not followed: {of_this_command(why)}")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import File, Number, Until, wanted_places
-from pearlbvp.commands.command import of_this_command
+from pearlbvp.commands.command import Option, of_this_command
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -37,6 +37,15 @@ if TYPE_CHECKING:
 save_option = click.option(
     "--save", type=File(), metavar="FILE.h5", help="Save the whole branch."
 )  # fmt: skip
+
+
+def fix_option(default: str | None = "area,volume", **how: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """The option of all commands that judge stability: what is held; ``default`` is None where what was held stays."""
+    return click.option(
+        "--fix", cls=Option, default=default, show_default=default is not None, metavar="WHAT",
+        help="What is held while stability is judged: area or tension, volume, pressure or osmotic=N (osmotic=300mM), "
+        "length or force, ade=ALPHA (ade=60kT)." + ("" if default else "  [default: what was held]"), **how,
+    )  # fmt: skip
 
 
 def following(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -142,6 +151,21 @@ class Following:
         if found.status is Status.INTERRUPTED:
             return INTERRUPTED
         return SOME_FAILED if found.failed or (wanted and not found.complete) else DONE
+
+    def fixed(self, branch: Branch[Any], fix: str | None) -> str | None:
+        """What is to be held from a point of a saved branch on, in radii.
+
+        Raises:
+            InputError: a unit that cannot be used.
+        """
+        if fix is None:
+            return None
+        point = branch.points[-1]
+        if "L" not in point.problem.constant and self.units.fix(fix, 1.0) != self.units.fix(fix, 2.0):
+            raise InputError(
+                "fix: L varies along the branch, and so does the solute at a concentration; give osmotic=N"
+            )
+        return self.units.fix(fix, point.observables["L"])
 
     def load(self) -> Branch[Any]:
         """The saved branch that it starts from.

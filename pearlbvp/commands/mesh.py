@@ -11,6 +11,7 @@ import click
 
 from pearlbvp.commands.arguments import File, Nodes, Number, check_meshable
 from pearlbvp.commands.command import Command, options_given
+from pearlbvp.commands.following import fix_option
 from pearlbvp.commands.output import check_distinct, check_outputs, radius_option, write
 from pearlbvp.errors import InputError
 from pearlbvp.messages import say
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 @click.option("--discretization", type=click.Choice(["subdivision", "cotangent"]), default="subdivision",
               show_default=True, help="Of the energy, and with --solve of the equilibrium.")  # fmt: skip
 @click.option("--solve", is_flag=True, help="Let Newton's method find the equilibrium of the mesh at the same volume.")
+@fix_option(None, needs=("solve",))
 @click.option("--out", type=File(), metavar="FILE.vtu|.ply|.obj", help="Write the mesh there.")
 @click.option("--plot", type=File(), metavar="FILE.png", help="Draw a picture of the surface.")
 @radius_option
@@ -48,6 +50,7 @@ def mesh(
     nodes: int | None,
     discretization: Any,
     solve: bool,
+    fix: str | None,
     out: Path | None,
     plot: Path | None,
     units: Units,
@@ -89,10 +92,11 @@ def mesh(
 
             branch = saved.load(source, "--from")
             at = chosen(branch, units.place_from_user(point), saved.family_of(branch))
+            held = None if fix is None else units.fix(fix, at.observables["L"])
             own = sorted(given & {"nodes", "discretization"})
             if own and at.problem.own_mesh(at.u) is not None:
                 raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
-            surface, table = _of_a_point(at, nodes, discretization, solve, bar)
+            surface, table = _of_a_point(at, nodes, discretization, solve, held, bar)
             title = f"v = {at.observables['v']:.4f}, L = {units.text('L', at.observables['L'])}"
         bar.update()
     others: list[Callable[[], object]] = []
@@ -135,7 +139,7 @@ def _refuse_idle(given: set[str]) -> None:
         raise InputError("--solve: the straight tube is an equilibrium at any pressure; give a shape with --from")
 
 
-def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool, bar: Any) -> tuple[Any, pd.DataFrame]:
+def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool, fix: str | None, bar: Any) -> tuple[Any, pd.DataFrame]:
     """Mesh and row of a point of a branch; ``bar`` shows two steps of its equilibrium."""
     from pearlbvp.studies.mesh import equilibrium_table, mesh_table, meshed, shape_mesh
 
@@ -144,7 +148,7 @@ def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool, bar: Any) -> tuple[
         surface = shape_mesh(at, nodes)
         return surface, mesh_table(surface, at.observables["c0"], at.problem.kind if own else kind)
     bar.set_description("equilibrium")
-    problem, u = meshed(at, nodes, kind=kind)
+    problem, u = meshed(at, nodes, kind=kind, fix=fix)
     bar.update()
     bar.set_description("growth rates")
     table = equilibrium_table(problem, u)

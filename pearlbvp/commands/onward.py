@@ -9,7 +9,8 @@ import click
 
 from pearlbvp.commands.arguments import File, SpecialKind
 from pearlbvp.commands.command import Command
-from pearlbvp.commands.following import Following, following, save_option
+from pearlbvp.commands.following import Following, fix_option, following, save_option
+from pearlbvp.errors import InputError
 from pearlbvp.messages import say
 
 file_argument = click.argument("file", type=File(), metavar="FILE.h5")
@@ -22,14 +23,19 @@ name_argument = click.argument("name", type=click.Choice(["c0", "L"]))
     epilog="Examples:  pearlbvp resume b.h5 --until v=1.34 --save b.h5  |  pearlbvp resume c.h5 --until bp:2 --plot c.png",
 )
 @file_argument
+@click.option("--fix", hidden=True)
 @save_option
 @following
-def resume(file: Path, **how: Any) -> int:
+def resume(file: Path, fix: str | None, **how: Any) -> int:
     """Go on from the last point of a saved branch, or of the end of a flow; the table is that of the whole branch.
 
     Columns and exit status are those of `branch`. Special points are numbered from the branch's start, as `show` numbers them;
-    one that the branch has already is answered at once.
+    one that the branch has already is answered at once. What was held while stability was judged stays.
     """
+    if fix is not None:
+        raise InputError(
+            "fix: a branch is judged by one thing throughout; give it to branch, or go on by switch or vary"
+        )
     from pearlbvp.studies import onward
 
     asked = Following(**how, start=file).checked()
@@ -49,16 +55,18 @@ def resume(file: Path, **how: Any) -> int:
 
 @click.command(
     cls=Command,
-    epilog="Examples:  pearlbvp switch b.h5 1 --until v=1.2 --save l.h5  |  pearlbvp switch b.h5 1 --centre neck --plot l.png",
+    epilog="Examples:  pearlbvp switch b.h5 1 --until v=1.2 --save l.h5  |  pearlbvp switch b.h5 1 --fix tension,pressure  |  "
+    "pearlbvp switch b.h5 1 --centre neck --plot l.png",
 )
 @file_argument
 @click.argument("number", type=click.IntRange(min=1), metavar="K")
 @click.option("--centre", type=click.Choice(["pearl", "neck"]),
               help="Of pearls: what the new shapes are centred on.  [default: pearl]")  # fmt: skip
 @click.option("--shrink", is_flag=True, help="Follow the half on which the tube shrinks at its centre.")
+@fix_option(None)
 @save_option
 @following
-def switch(file: Path, number: int, centre: Any, shrink: bool, **how: Any) -> int:
+def switch(file: Path, number: int, centre: Any, shrink: bool, fix: str | None, **how: Any) -> int:
     """Follow the branch that crosses a saved one at its K-th branch point (bp).
 
     Columns and exit status are those of `branch`. Of rings, coils and buckles the new branch is followed in reduced modes, as
@@ -69,9 +77,10 @@ def switch(file: Path, number: int, centre: Any, shrink: bool, **how: Any) -> in
 
     asked = Following(**how, start=file).checked()
     branch = asked.load()
+    fix = asked.fixed(branch, fix)
     other = "without --shrink" if shrink else "with --shrink"
     return asked.run(
-        lambda options: switched(branch, number, options, centre=centre, grow=not shrink),
+        lambda options: switched(branch, number, options, centre=centre, grow=not shrink, fix=fix),
         f"; {other} it goes the other way, which at a pitchfork has the same shapes",
     )
 
@@ -87,9 +96,10 @@ def switch(file: Path, number: int, centre: Any, shrink: bool, **how: Any) -> in
     "--keep", type=click.Choice(["v", "lambda2"]), default="v", show_default=True, help="What stays as it is there."
 )
 @down_option
+@fix_option(None)
 @save_option
 @following
-def vary(file: Path, name: str, point: int, keep: str, down: bool, **how: Any) -> int:
+def vary(file: Path, name: str, point: int, keep: str, down: bool, fix: str | None, **how: Any) -> int:
     """Vary c0 or L from a point of a saved branch on, at fixed v (not of rings or meshes).
 
     Columns and exit status are those of `branch`.
@@ -98,8 +108,9 @@ def vary(file: Path, name: str, point: int, keep: str, down: bool, **how: Any) -
 
     asked = Following(**how, start=file).checked()
     branch = asked.load()
+    fix = asked.fixed(branch, fix)
     return asked.run(
-        lambda options: varied(branch, point, name, options, keep=keep, upwards=not down),
+        lambda options: varied(branch, point, name, options, keep=keep, upwards=not down, fix=fix),
         "; leave --down out" if down else "; give --down",
     )
 
@@ -112,8 +123,9 @@ def vary(file: Path, name: str, point: int, keep: str, down: bool, **how: Any) -
 @click.argument("which", type=SpecialKind(), metavar="KIND:K")
 @name_argument
 @down_option
+@fix_option(None)
 @following
-def follow(file: Path, which: tuple[str, int], name: str, down: bool, **how: Any) -> int:
+def follow(file: Path, which: tuple[str, int], name: str, down: bool, fix: str | None, **how: Any) -> int:
     """Follow a fold (fold:v:1) or a branch point (bp:2) of a saved branch while c0 or L varies, too.
 
     Columns and exit status are those of `branch`. The curve is a table and a picture; it cannot be saved.
@@ -122,7 +134,8 @@ def follow(file: Path, which: tuple[str, int], name: str, down: bool, **how: Any
 
     asked = Following(**how, start=file).checked()
     branch = asked.load()
+    fix = asked.fixed(branch, fix)
     return asked.run(
-        lambda options: followed(branch, *which, name, options, upwards=not down),
+        lambda options: followed(branch, *which, name, options, upwards=not down, fix=fix),
         "; leave --down out" if down else "; give --down",
     )

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pearlbvp.continuation.branch import Branch, SpecialPoint
 from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.errors import InputError
+from pearlbvp.held import Held, known_held
 from pearlbvp.helfrich import Tube, WaveNumbers, choice, finite, mode_list, whole
 from pearlbvp.studies.branch import branch_options, family_branch, known_options, shown
 from pearlbvp.studies.dispersion import branch_points
@@ -116,6 +117,7 @@ def diagram(
     lambda2: tuple[float, float] | None = None,
     modes: Iterable[WaveNumbers] | None = None,
     processes: int = 1,
+    fix: str | Held = "area,volume",
     refused: Refused = lambda branch, special: "",
 ) -> Diagram:
     """Follow branches from the cylinder, and from their branch points on, to a depth.
@@ -131,6 +133,7 @@ def diagram(
         lambda2: follow every family that leaves the cylinder between these two values.
         modes: follow every family of these modes ``(m, n)``, wherever they begin. With neither, all pearls of ``k < 1``.
         processes: how many to work in; 0 for one a core.
+        fix: what is held while stability is judged, as ``family_branch`` takes it, on all branches.
         refused: of a branch and a branch point on it, why what crosses there is not to be followed; empty where it is.
 
     Returns:
@@ -144,12 +147,12 @@ def diagram(
     depth, processes = whole("depth", depth, 0), whole("processes", processes, 0)
     if lambda2 is not None and modes is not None:
         raise InputError("modes: modes and a range of lambda2 exclude each other; give one of the two")
-    wanted = _by_family(options)
+    wanted, held = _by_family(options), known_held(fix)
     primary = {_name(family, *mode): (family, mode) for family, mode in _primaries(tube, lambda2, modes)}
     if len(primary) > MOST_BRANCHES:
         raise InputError(f"lambda2: {len(primary)} branches leave the cylinder there; take a shorter range or tube")
     tasks: dict[str, _Task] = {
-        name: (_primary, (tube, family, mode, wanted[family])) for name, (family, mode) in primary.items()
+        name: (_primary, (tube, family, mode, wanted[family], held)) for name, (family, mode) in primary.items()
     }
     branches: dict[str, Branch[Any]] = {}
     skipped: dict[str, str] = {}
@@ -245,10 +248,10 @@ def _all_done(tasks: Sequence[_Task], processes: int) -> Sequence[Branch[Any] | 
     return [function(*arguments) for function, arguments in tasks]
 
 
-def _primary(tube: Tube, family: str, mode: WaveNumbers, options: BranchOptions) -> Branch[Any] | str:
+def _primary(tube: Tube, family: str, mode: WaveNumbers, options: BranchOptions, held: Held) -> Branch[Any] | str:
     """The branch of a family that leaves the cylinder at a mode."""
     try:
-        return family_branch(tube, family, mode, options)
+        return family_branch(tube, family, mode, options, fix=held)
     except InputError as error:
         return error.args[0]
 

@@ -13,6 +13,7 @@ from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
+from pearlbvp.held import Held, known_held
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE, choice, whole
 from pearlbvp.mesh.families import Surface, mapped, tube_mesh
 from pearlbvp.mesh.functional import Functional, Kind
@@ -26,7 +27,11 @@ NODES = 3000
 
 
 def meshed(
-    point: Solution[Any], nodes: int | PeriodicMesh = NODES, *, kind: Kind = "subdivision"
+    point: Solution[Any],
+    nodes: int | PeriodicMesh = NODES,
+    *,
+    kind: Kind = "subdivision",
+    fix: str | Held | None = None,
 ) -> tuple[MeshProblem, Array]:
     """The equilibrium on a mesh at the reduced volume of a computed shape; of a shape on a mesh itself.
 
@@ -35,6 +40,7 @@ def meshed(
         nodes: vertices of the mesh, or a mesh of the straight tube that is mapped onto the shape. A shape on a mesh has
             its own.
         kind: the discretization; a shape on a mesh has its own.
+        fix: what is held while stability is judged, as ``family_branch`` takes it; by default what is on the branch.
 
     Returns:
         The problem and its unknown: ``problem.observables(u)``, ``problem.spectrum(u)``, ``problem.surface(u)``.
@@ -49,9 +55,10 @@ def meshed(
         raise InputError(
             "point: it is the straight tube, which is an equilibrium at any pressure; choose another point"
         )
+    held = point.problem.held if fix is None else known_held(fix)
+    held.check(found)
     if isinstance(point.problem, MeshProblem):
-        return point.problem, point.u
-    held = point.problem.held
+        return point.problem.holding(held), point.u
     return equilibrium(
         shape_mesh(point, nodes), found["c0"], found["v"], found["lambda1"], found["lambda2"], kind, held=held
     )

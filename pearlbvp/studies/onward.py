@@ -17,7 +17,9 @@ from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import switch, tangent_along
 from pearlbvp.continuation.two_parameters import NOISE, CurveOnSurface, follow
 from pearlbvp.errors import InputError
+from pearlbvp.held import Held, known_held
 from pearlbvp.helfrich import choice, whole
+from pearlbvp.membrane import MembraneProblem
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.studies.branch import SPECIAL, TURNS, known_branch, known_options
 from pearlbvp.units import Sentence
@@ -67,6 +69,29 @@ def wanted_there(branch: Branch[Any], options: BranchOptions) -> SpecialPoint | 
     return there
 
 
+def held_from(branch: Branch[Any], index: int, fix: str | Held | None) -> Branch[Any]:
+    """A branch that holds something else at one of its points, from which another is to start.
+
+    Args:
+        branch: of any family.
+        index: of the point.
+        fix: what is held from there on, as ``held.known_held`` takes it; None for what is held already.
+
+    Raises:
+        InputError: that is nothing to hold, or no reservoir holds the shape.
+    """
+    if fix is None:
+        return branch
+    held, point, points = known_held(fix), branch.points[index], list(branch.points)
+    if not isinstance(point.problem, MembraneProblem):
+        raise InputError(
+            "fix: a curve of special points keeps what is held; go on from the branch that it was found on"
+        )
+    held.check(point.observables)
+    points[index] = replace(point, problem=point.problem.holding(held), known=None)
+    return replace(branch, points=points)
+
+
 def _towards(entry: Solution[Any], until: Mapping[str, float]) -> Solution[Any]:
     """A point with its tangent turned to where the first of some wanted values lies, if it is not one of stability.
 
@@ -92,6 +117,7 @@ def varied(
     *,
     keep: str = "v",
     upwards: bool = True,
+    fix: str | Held | None = None,
 ) -> Branch[Any]:
     """The branch through a point of another on which ``c0`` or the length changes.
 
@@ -102,6 +128,7 @@ def varied(
         options: where to stop and how to step.
         keep: what stays as it is at that point: ``v`` or ``lambda2``.
         upwards: whether ``vary`` is to grow at first.
+        fix: what is held from there on while stability is judged, as ``family_branch`` takes it; by default what is already.
 
     Raises:
         InputError: a name or number that cannot be used, or a branch of rings.
@@ -111,7 +138,7 @@ def varied(
     if not -len(branch.points) <= index < len(branch.points):
         raise InputError(f"point: there is no point {index}; the branch has points 0 to {len(branch.points) - 1}")
     index %= len(branch.points)
-    point = branch.points[index]
+    point = held_from(branch, index, fix).points[index]
     if point.observables["amplitude"] < 1e-9:
         raise InputError(f"point: point {index} is the cylinder, where branches cross; choose a point further on")
     other = "lambda2" if keep == "v" else "v"
@@ -141,7 +168,14 @@ def _varying(branch: Branch[Any], vary: str) -> str:
 
 
 def followed(
-    branch: Branch[Any], kind: str, number: int, vary: str, options: BranchOptions, *, upwards: bool = True
+    branch: Branch[Any],
+    kind: str,
+    number: int,
+    vary: str,
+    options: BranchOptions,
+    *,
+    upwards: bool = True,
+    fix: str | Held | None = None,
 ) -> Branch[CurveOnSurface]:
     """The curve of a fold or a branch point of a branch while ``c0`` or the length varies.
 
@@ -152,6 +186,7 @@ def followed(
         vary: ``c0`` or ``L``.
         options: where to stop and how to step. Turning points of ``c0`` and ``L`` (cusps of a fold) are watched too.
         upwards: whether ``vary`` is to grow at first.
+        fix: what is held from there on while stability is judged, as ``family_branch`` takes it; by default what is already.
 
     Raises:
         InputError: there is no such special point, or it was not located, or ``vary`` is another name, or the branch is one
@@ -170,6 +205,7 @@ def followed(
         )
     if not found[number - 1].converged:
         raise InputError(f"follow: {kind} number {number} was not located; follow the branch in shorter steps")
+    branch = held_from(branch, found[number - 1].index, fix)
     start = branch.at(found[number - 1])
     sign = math.copysign(1.0, start.problem.signed_amplitude(start.u))
 
@@ -222,7 +258,13 @@ def _up_to_straight(
 
 
 def switched(
-    branch: Branch[Any], number: int, options: BranchOptions, *, centre: Centre | None = None, grow: bool = True
+    branch: Branch[Any],
+    number: int,
+    options: BranchOptions,
+    *,
+    centre: Centre | None = None,
+    grow: bool = True,
+    fix: str | Held | None = None,
 ) -> Branch[Any]:
     """The branch that crosses ``branch`` at its branch point ``number`` (the first is 1).
 
@@ -233,6 +275,7 @@ def switched(
         options: where to stop and how to step.
         centre: of pearls: whether the new shapes are centred on a pearl (the default) or on a neck, where both branch off.
         grow: follow the half of a pitchfork on which the tube grows at its centre, or the largest new mode grows.
+        fix: what is held from there on while stability is judged, as ``family_branch`` takes it; by default what is already.
 
     Returns:
         Of rings, and of pearls where the new shapes are not axisymmetric, shapes in reduced modes.
@@ -249,7 +292,7 @@ def switched(
             f"switch: at branch point {number} the branch meets a more symmetric one; follow that from its start"
         )
     try:
-        return switch(branch, special, options, centre=middle, grow=grow)
+        return switch(held_from(branch, special.index, fix), special, options, centre=middle, grow=grow)
     except LiftError as error:
         raise InputError(
             Sentence.joined(f"switch: at branch point {number} {error}", _on_a_mesh(branch, special))
