@@ -11,6 +11,7 @@ ROOMS = [
     "commands",
     "explorer",
     "figures",
+    "paper",
     "atlas",
     "studies",
     "flows",
