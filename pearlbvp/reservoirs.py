@@ -37,7 +37,7 @@ def _in_radii(part: str, scale: Scale | None, pressure: float, length: float) ->
         return part
     if scale is None or scale.energy is None:
         raise InputError(
-            f"fix: {name}={value} takes the tube's radius and rigidity; give --radius, like 50nm, and --kappa, like 20kT"
+            f"fix: {name}={value} takes the tube's radius and rigidity; give radius=50nm or the like, and give kappa=20kT"
         )
     if name == "ade":
         modulus = _si(value, ENERGY, f"ade={value} is no energy; give one like 60kT", scale)

@@ -154,7 +154,7 @@ def test_mistakes_are_told_in_a_line(tmp_path, capsys):
     longer.save(tmp_path / "l.h5")
     units = ["--radius", "50nm", "--kappa", "20kT"]
     for arguments, says in (
-        (["switch", "b.h5", 1, "--fix", "osmotic=300mM"], "--fix: osmotic=300mM takes the tube's radius and rigidity; give --radius"),
+        (["switch", "b.h5", 1, "--fix", "osmotic=300mM"], "--fix: osmotic=300mM takes the tube's radius and rigidity; give --radius 50nm or the like, and give --kappa 20kT"),
         (["switch", "b.h5", 1, "--fix", "ade=60kT", "--radius", "50nm"], "--fix: ade=60kT takes the tube's radius and rigidity"),
         (["switch", "b.h5", 1, "--fix", "osmotic=300nm", *units], "--fix: osmotic=300nm is no concentration; give one like 300mM"),
         (["switch", "b.h5", 1, "--fix", "ade=60nm", *units], "--fix: ade=60nm is no energy; give one like 60kT"),
