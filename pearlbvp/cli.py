@@ -30,6 +30,7 @@ from pearlbvp.commands.output import DONE, INTERRUPTED, SOME_FAILED, UNUSABLE
 from pearlbvp.commands.period import period
 from pearlbvp.commands.phases import phases
 from pearlbvp.commands.region import region
+from pearlbvp.commands.reproduce import reproduce
 from pearlbvp.commands.scan import scan
 from pearlbvp.commands.show import show
 from pearlbvp.errors import InputError, interrupted
@@ -49,7 +50,7 @@ def cli() -> None:
 
 for command in (
     dispersion, growth, amplitude, amplitude_map, localized, period, region, equilibria,
-    branch, resume, switch, vary, follow, show, diagram, phases, flow, mesh, scan,
+    branch, resume, switch, vary, follow, show, diagram, phases, flow, mesh, scan, reproduce,
 ):  # fmt: skip
     cli.add_command(command)
 

@@ -10,6 +10,7 @@ ROOMS = [
     "cli",
     "commands",
     "figures",
+    "paper",
     "atlas",
     "studies",
     "flows",

@@ -92,7 +92,7 @@ def add_faces(axes: Axes, faces: Array, colours: Array, seen_from: Array, edges:
 
 
 def show_surface(
-    axes: Axes, surface: Grid | PeriodicMesh, half_length: float, extent: float, colour: str = PLAIN
+    axes: Axes, surface: Grid | PeriodicMesh, half_length: float, extent: float, colour: str | Array = PLAIN
 ) -> None:
     """A tube seen from afar, lit from above, in a box of given size: what is farther away is drawn first.
 
@@ -102,12 +102,12 @@ def show_surface(
         axes: what they showed is cleared.
         surface: the tube; the middle of its length is put into the middle of the box.
         half_length, extent: half the size of the box along and across the axis.
-        colour: of the surface.
+        colour: of the surface, or red, green and blue of each of its faces.
     """
     faces = faces_of(surface)
     faces = faces - np.array([(faces[..., 0].min() + faces[..., 0].max()) / 2, 0.0, 0.0])
     axes.clear()
-    add_faces(axes, faces, np.array(to_rgb(colour)), AFAR)
+    add_faces(axes, faces, np.array(to_rgb(colour)) if isinstance(colour, str) else colour, AFAR)
     box = np.abs(AFAR[:2]) @ np.array([half_length, extent, extent])
     axes.set(xlim=(-box[0], box[0]), ylim=(-box[1], box[1]), aspect="equal")
     axes.set_axis_off()
