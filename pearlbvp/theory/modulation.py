@@ -49,7 +49,7 @@ def local_cubic(c0: float) -> float:
     Raises:
         InputError: ``c0`` is not between 1/4 and 1/2.
 
-    Example:
+    Examples:
         >>> round(local_cubic(0.48), 6), local_cubic(0.49) < 0
         (0.313186, True)
     """
@@ -65,7 +65,7 @@ def loss_of_stability(c0: float) -> float:
     Raises:
         InputError: ``c0`` is not between 1/4 and 1/2.
 
-    Example:
+    Examples:
         >>> [round(loss_of_stability(c0), 4) for c0 in (0.3, 0.4, 0.48)]
         [0.0209, 1.2507, 51.1384]
     """
@@ -78,7 +78,7 @@ def loss_of_stability(c0: float) -> float:
 def marginal_c0() -> float:
     """The ``c0`` from which on long trains of critical pearls are stable to all slow waves: about 0.488373.
 
-    Example:
+    Examples:
         >>> round(marginal_c0(), 8)
         0.48837257
     """
