@@ -186,6 +186,7 @@ def _candidates(i: Integers, a: Integers, c: Complex) -> Array:
 def _features(i: Integers, a: Integers, turned: Complex) -> list[set[int]]:
     """Features of the modes that a function has at each of some places, its waves given on half of the plane."""
     classes, place = np.unique(np.column_stack((i, np.abs(a))), axis=0, return_inverse=True)
+    place = place.ravel()  # of NumPy 2.0 it has another axis
     forward, backward = np.zeros((2, len(turned), len(classes)), dtype=complex)
     forward[:, place[a >= 0]] = turned[:, a >= 0]
     backward[:, place[a < 0]] = turned[:, a < 0].conj()  # of (-i, |a|)
