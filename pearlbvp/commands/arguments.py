@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -20,12 +21,12 @@ class Written(str):
     """An argument that has a unit: it is read when the units of the command are known (``in_units``)."""
 
 
-class Quantity(click.ParamType):  # type: ignore[type-arg]
+class Quantity(click.ParamType, ABC):  # type: ignore[type-arg]
     """What may have a unit."""
 
+    @abstractmethod
     def in_units(self, value: Any, units: Units, param: click.Parameter) -> Any:
         """What was written, in the user's unit."""
-        raise NotImplementedError
 
 
 class Numbers(Quantity):

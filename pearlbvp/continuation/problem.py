@@ -197,7 +197,7 @@ class Problem(ABC):
         Raises:
             ValueError, LookupError, TypeError: the tree describes no such problem.
         """
-        raise NotImplementedError
+        raise ValueError(f"{cls.__name__} is of no kind that is saved")
 
 
 P = TypeVar("P", bound=Problem)

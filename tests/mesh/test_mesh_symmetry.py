@@ -1,79 +1,117 @@
-"""Meshes that keep the screws of coils, and spectra where modes are neutral: against theory and reduced modes."""
+"""Symmetry of meshes, phases, and shapes projected onto meshes."""
 
 import numpy as np
 import pytest
 
+from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
-from pearlbvp.mesh.families import ENOUGH_SCREWS, divisions, screws, tube_mesh
-from pearlbvp.mesh.start import onset
-from pearlbvp.mesh.symmetry import orbits
+from pearlbvp.mesh.amplitudes import amplitudes
+from pearlbvp.mesh.families import divisions, jittered, tube_mesh
+from pearlbvp.mesh.functional import Functional
+from pearlbvp.mesh.problem import about
+from pearlbvp.mesh.samples import Samples
+from pearlbvp.mesh.spectrum import MeshBlock
+from pearlbvp.mesh.subdivision import limit_matrix
+from pearlbvp.mesh.symmetry import mean, orbits
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.mesh import meshed
-from pearlbvp.theory.dispersion import growth_rate
+from pearlbvp.theory.amplitude import amplitude_equation
+
+L = 10.0
 
 
-@pytest.mark.parametrize(("length", "mode"), [(10.0, (1, 1)), (15.0, (1, 1)), (23.7, (2, 1)), (12.0, (1, 2))])
-def test_meshes_of_coils_keep_screws(length, mode):
-    """Counted by arithmetic, and found as isometries of mesh and wave."""
-    mesh = tube_mesh(length, 500, coil=mode)
-    rows, around = divisions(length, 500, mode)
-    assert mesh.count == rows * around
-    assert abs(mesh.count / 500 - 1) < 0.1
-    assert mesh.quality.max() < 4.5
-    number = screws(rows, around, *mode)
-    assert number >= ENOUGH_SCREWS
-    phi = np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])
-    wave = np.cos(2 * np.pi * mode[0] * mesh.vertices[:, 0] / length - mode[1] * phi)
-    found = orbits(mesh, wave[None])
-    sizes = np.bincount(found)
-    assert sizes.max() % number == 0  # turns by the wave's own fold and half turns of the axis may add to the screws
-    for orbit in (0, len(sizes) // 2):
-        np.testing.assert_allclose(wave[found == orbit], wave[found == orbit][0], atol=1e-9)
+def test_amplitudes_by_projection():
+    """Of a graph with known waves; and of a pearl near its onset, against the amplitude equation."""
+    k = 2 * np.pi / L
+
+    def waves(x, phi):
+        r = 1 + 2 * np.real(0.05 * np.exp(1j * (k * x + phi + 0.3)) + 0.02 * np.exp(1j * (k * x - phi)))
+        return np.column_stack((x, r * np.cos(phi), r * np.sin(phi)))
+
+    for mesh in (tube_mesh(L, 2000, waves), jittered(tube_mesh(L, 2000), 0.1, 0, waves)):
+        a, b = amplitudes(mesh, 1, 1)
+        assert (a, b) == pytest.approx((0.05 * np.exp(0.3j), 0.02), abs=3e-4)
+    branch = family_branch(Tube(0.0, L), "pearl", (1, 0), branch_options({"v": 1.002}, step=0.02), nodes=600)
+    entry = branch.points[-1]
+    a, _ = amplitudes(entry.problem.surface(entry.u), 1, 0)
+    predicted = amplitude_equation(Tube(0.0, L), (1, 0)).amplitude_at("pearl", entry.observables["v"])
+    assert abs(a) == pytest.approx(predicted, rel=0.02)
+
+    def folded(x, phi):
+        return np.column_stack((x, 2 + np.cos(phi), np.sin(phi)))
+
+    with pytest.raises(InputError, match="surface: triangle .* folded"):
+        amplitudes(tube_mesh(L, 200, folded), 1, 1)
 
 
-def test_a_coil_s_branch_on_few_nodes_passes_the_one_that_crosses_it():
-    """The neutral modes break its screws, so the coil stays one: the branch point and stability of reduced modes."""
-    options = branch_options({"v": 0.88})
-    branch = family_branch(Tube(0.48, 10.0), "coil", (1, 1), options, nodes=500)
-    exact = family_branch(Tube(0.48, 10.0), "coil", (1, 1), options)
-    assert branch.complete, branch.reason
-    crossings = [b.find("bp") for b in (branch, exact)]
-    places = [b.points[found[0].index].observables for b, found in zip((branch, exact), crossings, strict=True)]
-    assert places[0]["v"] == pytest.approx(places[1]["v"], abs=2e-3)
-    assert branch.points[-1].spectrum.n_unstable == exact.points[-1].spectrum.n_unstable == 0
-    assert branch.points[-1].observables["lambda2"] == pytest.approx(exact.points[-1].observables["lambda2"], rel=2e-2)
+def test_orbits_are_those_of_the_group():
+    """Sizes of the orbits by counting: of a pearl, a ring, a buckle and nothing, on 28 rows of 16 vertices."""
+    rows, around = divisions(L, 450)
+    mesh = tube_mesh(L, 450)
+    assert (rows, around, mesh.count) == (28, 16, 448)
+    x, phi = 2 * np.pi * mesh.vertices[:, 0] / L, np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])
+    for wave, generic in (
+        (np.cos(x), 2 * around),  # turns, and x to -x
+        (np.cos(2 * phi), 4 * rows // 2),  # shifts by two rows, and phi to -phi, pi - phi, pi + phi
+        (np.cos(x) * np.cos(phi), 8),  # x to -x, phi to -phi, (x + L/2, phi + pi)
+        (np.cos(x + 0.1) + np.sin(phi + 0.2) + np.sin(2 * x - 3 * phi), 1),
+    ):
+        labels = orbits(mesh, wave[None])
+        assert np.bincount(labels).max() == generic
+        np.testing.assert_allclose(mean(labels, wave), wave, atol=1e-12)
+        np.testing.assert_allclose(mean(labels, mean(labels, mesh.vertices)), mean(labels, mesh.vertices), atol=1e-12)
+    assert len(np.unique(orbits(jittered(mesh), np.zeros((1, mesh.count))))) == mesh.count
 
 
-def test_meshed_coils_keep_their_screws():
-    coil = family_branch(Tube(0.0, 10.0), "coil", (1, 1), branch_options({"v": 0.95})).points[-1]
-    problem, u = meshed(coil, 500)
-    assert problem.symmetric(u).orbits.max() + 1 < problem.mesh.count / ENOUGH_SCREWS
+def test_symmetry_splits_the_spectrum():
+    """Growth rates with and without the symmetry of a buckle are the same, and the modes are what their block says."""
+    point = family_branch(Tube(0.0, L), "buckle", (1, 1), branch_options({"v": 0.98})).points[-1]
+    plain, u = meshed(point, 700)
+    problem = plain.symmetric(u)
+    apart = problem.block_modes(u, {problem.trivial_block: 6, MeshBlock("breaking"): 6})
+    together, _ = apart.together()
+    rates, _, unstable = plain.modes(u)
+    assert apart.complete
+    assert apart.unstable == unstable == 1
+    np.testing.assert_allclose(together[:6], rates[:6], atol=1e-7)
+    for block, vectors in apart.vectors.items():
+        share = np.linalg.norm(mean(problem.orbits, vectors)) / np.linalg.norm(vectors)
+        assert share == pytest.approx(1.0 if block == problem.trivial_block else 0.0, abs=1e-8)
 
 
-@pytest.mark.parametrize("nodes", [800, 2000])
-def test_a_neutral_mode_drowns_no_other(nodes):
-    """Rates of the straight tube where the ring branches off: two modes are neutral, the next is the dispersion relation's."""
-    problem, u, direction = onset(Tube(-1.0, 10.0), "ring", 0, 2, tube_mesh(10.0, nodes))
-    problem = problem.symmetric(u, direction)
-    spectrum = problem.spectrum(u)
-    assert spectrum.n_unstable == 0
-    rates = np.sort(np.concatenate(list(spectrum.rates.values())))[::-1]
-    assert np.abs(rates[:2]).max() < 1e-9
-    exact = [growth_rate(2 * np.pi * m / 10, n, float(u[-2]), -1.0) for m, n in ((1, 1), (1, 2))]
-    np.testing.assert_allclose(rates[2:6], exact[0], rtol=1e-3)  # sines and cosines both ways
-    assert max(exact[1], rates[6]) < rates[5]
+def test_surfaces_are_projected_onto():
+    """Points of a finer surface are on the coarser one's samples to third order, and mirror images stay mirror images."""
+
+    def points(x, phi):
+        r = 1 + 0.2 * np.cos(2 * np.pi * x / L)
+        return np.column_stack((x, 0.5 * np.cos(2 * np.pi * x / L) + r * np.cos(phi), r * np.sin(phi)))
+
+    errors = []
+    for nodes in (400, 1600):
+        mesh = tube_mesh(L, nodes, points)
+        _, matrix, offsets = limit_matrix(mesh, 3)
+        on_surface = matrix @ mesh.vertices
+        on_surface[:, 0] += offsets
+        samples = Samples.of(mesh)
+        errors.append(np.abs(samples.feet(on_surface).offsets).max())
+        beside, mirror = on_surface + 0.03, np.array([1, 1, -1])
+        np.testing.assert_allclose(samples.project(beside * mirror), samples.project(beside) * mirror, atol=1e-13)
+    assert errors[1] < errors[0] / 5 < 1e-5
 
 
-@pytest.mark.parametrize("family", ["coil", "buckle"])
-def test_branches_from_the_straight_tube_are_of_fourth_order(family):
-    """Vertices that moved along normals lie less well than those of a mesh made for the shape; the order is the same."""
-    options = branch_options({"v": 0.95})
-    exact = family_branch(Tube(0.0, 10.0), family, (1, 1), options, discretization="modes").points[-1].observables
-    errors, counts = [], []
-    for nodes in (500, 1000):
-        point = family_branch(Tube(0.0, 10.0), family, (1, 1), options, nodes=nodes).points[-1]
-        errors.append([abs(point.observables[name] / exact[name] - 1) for name in ("lambda1", "lambda2", "E")])
-        counts.append(point.problem.mesh.count)
-    orders = 2 * np.log(np.divide(*errors)) / np.log(counts[1] / counts[0])
-    assert (orders > 3.3).all(), orders
-    assert np.max(errors[1]) < 6e-4
+def test_phases_are_those_that_move_the_surface():
+    """None but translations across on the straight tube; the shift along it on a pearl; both on a buckle."""
+
+    def surface(x, phi, wave):
+        r = 1 + 0.2 * wave(2 * np.pi * x / L, phi)
+        return np.column_stack((x, r * np.cos(phi), r * np.sin(phi)))
+
+    for wave, count in (
+        (lambda x, phi: 0 * x, 2),
+        (lambda x, phi: np.cos(x), 3),
+        (lambda x, phi: np.cos(2 * phi), 3),
+        (lambda x, phi: np.cos(x - 2 * phi), 3),
+        (lambda x, phi: np.cos(x) * np.cos(2 * phi), 4),
+    ):
+        mesh = tube_mesh(L, 600, lambda x, phi, wave=wave: surface(x, phi, wave))
+        assert len(about(Functional(mesh), 0.0, np.array([0.0, 0.25, 1.0]))[0].phases) == count
