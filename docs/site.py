@@ -6,10 +6,13 @@ too, so their links and formulas are translated here, and nothing is loaded from
 
 import html
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import gallery
 from math_core import LatexError, LatexToMathML
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.exceptions import PluginError
@@ -24,15 +27,29 @@ ARITHMATEX = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the README, the changes, a page of the explorer, and one of docstrings for every ``reference/MODULE.md`` there is."""
+    """Add the README, the changes, pictures, the explorer, a page of docstrings for every ``reference/MODULE.md`` there is.
+
+    Raises:
+        PluginError: an example of the gallery failed; the build ends there.
+    """
     for name, uri in OUTSIDE.items():
         files.append(File.generated(config, uri, content=(ROOT / name).read_text()))
     files.append(File.generated(config, "assets/explorer.html", content=_explorer()))
+    for name, path in _pictures():
+        files.append(File.generated(config, gallery.SHOWN.format(name), abs_src_path=path))
     for uri in _pages(config.nav):
         if uri.startswith(REFERENCE):
             module = uri.removeprefix(REFERENCE).removesuffix(".md")
             files.append(File.generated(config, uri, content=f"# `{module}`\n\n::: {module}\n"))
     return files
+
+
+def _pictures() -> list[list[str]]:
+    """Names and files of the gallery's pictures, made in a process of their own, from which others can be started."""
+    made = subprocess.run([sys.executable, gallery.__file__], capture_output=True, text=True, check=False)
+    if made.returncode:
+        raise PluginError(made.stderr)
+    return [line.split(maxsplit=1) for line in made.stdout.splitlines()]
 
 
 def _explorer() -> str:
@@ -49,7 +66,9 @@ def _explorer() -> str:
 
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
-    """Links between the repository's folders, as links between the site's pages."""
+    """Links between the repository's folders, as links between the site's pages; pictures below the gallery's examples."""
+    if page.file.src_uri == gallery.PAGE.name:
+        return gallery.with_pictures(markdown)
     if page.file.src_uri in OUTSIDE.values():
         return markdown.replace("](docs/", "](")
     for name, uri in OUTSIDE.items():

@@ -13,6 +13,7 @@ from pearlbvp.studies import families
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+GALLERY = ROOT / "docs/gallery.md"  # executed by the build of the site (docs/gallery.py)
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\[[^]]*\]\(([^)\s]+)\)")
 
@@ -55,7 +56,9 @@ def executed(page, capsys, namespace):
                 assert status == 0, (named(page), command, err)
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python", "sh")], ids=named)
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if page != GALLERY and blocks(page, "python", "sh")], ids=named
+)
 def test_what_a_page_prints_runs(page, in_a_folder, capsys):
     executed(page, capsys, {"__name__": "page"})
 
@@ -105,6 +108,31 @@ def test_profiles_of_few_digits_start_as_the_page_says(in_a_folder, capsys, digi
     assert status == 0
     assert float(out.splitlines()[1].split(",")[2]) == pytest.approx(lambda1, abs=5e-4)
     assert ("smoothed" in err) == said
+
+
+def test_each_example_of_the_gallery_makes_one_picture_by_at_most_ten_lines(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    import gallery
+
+    markdown = GALLERY.read_text()
+    examples = gallery.examples(markdown)
+    names = [example.name for example in examples]
+    assert len(names) == len(set(names)) >= 24
+    assert max(sum(map(bool, example.code.splitlines())) for example in examples) <= 10
+    shown = re.findall(r"^!\[[^]\n]+\]\(assets/gallery/([\w-]+)\.png\)$", gallery.with_pictures(markdown), re.MULTILINE)
+    assert shown == names
+
+
+def test_a_block_of_the_gallery_that_makes_no_picture_or_fails_is_refused(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    import gallery
+
+    with pytest.raises(ValueError, match="makes 0 pictures"):
+        gallery.examples("```sh\npearlbvp dispersion --c0 0 --length 10\n```\n")
+    (example,) = gallery.examples("```sh\nfalse\necho --plot a.png\n```\n")
+    with pytest.raises(RuntimeError, match="gallery: a: "):
+        gallery.make(example, tmp_path / "a.png")
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_readme_is_short():
