@@ -30,7 +30,7 @@ class Diagram(study.Diagram):
         table = units.columns(self.table())
         for name in (x, y):
             if name not in table:
-                raise InputError(f"column: {name} is not in the table; take one of {', '.join(map(str, table))}")
+                raise InputError("column", f"{name} is not in the table", f"take one of {', '.join(map(str, table))}")
         return draw_plane(table, x, y, title, units)
 
 

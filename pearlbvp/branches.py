@@ -109,13 +109,15 @@ class Branch(core.Branch[Any]):
         kind = kind if number.isdigit() else which
         if not _is_kind(kind):
             raise InputError(
-                f"point: {which!r} is no special point; give one like 'bp', 'bp:2', 'fold:v', 'cmc' or 'end', or a number"
+                "point",
+                f"{which!r} is no special point",
+                "give one like 'bp', 'bp:2', 'fold:v', 'cmc' or 'end', or a number",
             )
         if kind == which:
             return [_solution(self.at(special)) for special in self.find(which)]
         found = self.find(kind)
         if not 1 <= int(number) <= len(found):
-            raise InputError(f"point: the branch has {len(found)} special points {kind}, so there is no {which}")
+            raise InputError("point", f"the branch has {len(found)} special points {kind}, so there is no {which}")
         return _solution(self.at(found[int(number) - 1]))
 
     def resume(self, until: Until | None = None, **how: Any) -> Branch:
@@ -190,8 +192,8 @@ class Branch(core.Branch[Any]):
 
         point = whole("point", point, -math.inf)
         if not -len(self) <= point < len(self):
-            raise InputError(f"point: there is no point {point}; the branch has points 0 to {len(self) - 1}")
-        upwards = _upwards(down, until, name, self.points[point].observables)
+            raise InputError("point", f"there is no point {point}", f"the branch has points 0 to {len(self) - 1}")
+        upwards = None if down is None else not down
         return followed_by(
             lambda options: varied(self, point, name, options, keep=keep, upwards=upwards, fix=fix), until, how
         )
@@ -223,7 +225,7 @@ class Branch(core.Branch[Any]):
         """
         from pearlbvp.studies.onward import followed
 
-        upwards = _upwards(down, until, name, self.points[-1].observables)
+        upwards = None if down is None else not down
         return followed_by(
             lambda options: followed(self, kind, number, name, options, upwards=upwards, fix=fix), until, how
         )
@@ -275,13 +277,6 @@ class Branch(core.Branch[Any]):
         return units.table(table[[*COLUMNS, *(name for name in table if name not in COLUMNS)]])
 
 
-def _upwards(down: bool | None, until: Until | None, name: str, observed: Mapping[str, float]) -> bool:
-    """Whether what varies is to grow at first: as asked, or towards its wanted value."""
-    if down is not None:
-        return not down
-    return (until or {}).get(name, float("inf")) >= observed.get(name, float("-inf"))
-
-
 def followed_by(follow: Any, until: Until | None, how: Mapping[str, Any]) -> Branch:
     """A branch, with signs of life on a terminal while it is followed."""
     from pearlbvp.progress import progress
@@ -305,4 +300,4 @@ def check_names(how: Mapping[str, Any], names: Iterable[str]) -> None:
     known = list(names)
     for name in how:
         if name not in known:
-            raise InputError(f"{name}: there is no such argument; there are {', '.join(known)}")
+            raise InputError(name, "there is no such argument", f"there are {', '.join(known)}")

@@ -70,7 +70,7 @@ def main(arguments: list[str] | None = None) -> None:
         status = DONE
     except OSError as error:
         if error.filename is None:
-            say(why_not_written(error))
+            say(str(why_not_written(error)))
         else:
             say(f"{shortened(error.filename)}: {error.strerror or error}; free space or choose another place")
         drop(sys.stdout)

@@ -2,18 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 
 class InputError(ValueError):
-    """An argument that cannot be used. The message is one line: ``argument: what; remedy``."""
+    """An argument that cannot be used, said in one line: ``argument: what; remedy``.
 
-    @property
-    def argument(self) -> str:
-        """The argument that the message names."""
-        return str(self.args[0]).partition(":")[0]
+    Attributes:
+        argument: its name, as who gave it knows it.
+        what: what is wrong with it.
+        remedy: what to do; empty where ``what`` says it by what is wanted.
+
+    Examples:
+        >>> print(InputError("volume", "-1 is not positive", "give one like 1.1"))
+        volume: -1 is not positive; give one like 1.1
+    """
+
+    def __init__(self, argument: str, what: str, remedy: str = "") -> None:
+        super().__init__(argument, what, remedy)
+        self.argument, self.what, self.remedy = argument, what, remedy
+
+    def __str__(self) -> str:
+        said = f"{self.argument}: " + self.what  # a sum, which leaves a sentence its numbers
+        return said + "; " + self.remedy if self.remedy else said
 
     def named(self, argument: str) -> InputError:
         """The same of an argument that its user knows by another name."""
-        return InputError(self.args[0].replace(f"{self.argument}:", f"{argument}:", 1))
+        return InputError(argument, self.what, self.remedy)
+
+    def worded(self, words: Callable[[str], str]) -> InputError:
+        """The same in other words, as in another unit of length."""
+        return InputError(self.argument, words(self.what), words(self.remedy))
 
 
 class SpectrumError(ArithmeticError):

@@ -38,9 +38,9 @@ def named(name: str, path: str | os.PathLike[str]) -> Path:
         text = os.fspath(path)
         found = Path(path)
     except TypeError:
-        raise InputError(f"{name}: {path!r} is no name of a file; give a text or a Path") from None
+        raise InputError(name, f"{path!r} is no name of a file", "give a text or a Path") from None
     if text.endswith(tuple(filter(None, (os.sep, os.altsep)))) and not os.path.isdir(text):
-        raise InputError(f"{name}: {shortened(text)} ends as a folder's name does; give a file's name")
+        raise InputError(name, f"{shortened(text)} ends as a folder's name does", "give a file's name")
     return found
 
 
@@ -59,15 +59,15 @@ def readable(name: str, path: str | os.PathLike[str], most: int = MOST_BINARY) -
     try:
         found = path.stat()
     except FileNotFoundError:
-        raise InputError(f"{name}: there is no file {path}; give one that exists") from None
+        raise InputError(name, f"there is no file {path}", "give one that exists") from None
     except (OSError, ValueError) as error:
-        raise InputError(f"{name}: {shortened(path)} cannot be read ({_why(error)}); give another file") from None
+        raise InputError(name, f"{shortened(path)} cannot be read ({_why(error)})", "give another file") from None
     if stat.S_ISDIR(found.st_mode):
-        raise InputError(f"{name}: {path} is a folder; give a file's name")
+        raise InputError(name, f"{path} is a folder", "give a file's name")
     if not stat.S_ISREG(found.st_mode):
-        raise InputError(f"{name}: {path} is no ordinary file but a device or a pipe; write it to a file first")
+        raise InputError(name, f"{path} is no ordinary file but a device or a pipe", "write it to a file first")
     if found.st_size > most:
-        raise InputError(f"{name}: {path} has {found.st_size:.3g} bytes, more than {most:.3g}; give a smaller file")
+        raise InputError(name, f"{path} has {found.st_size:.3g} bytes, more than {most:.3g}", "give a smaller file")
     return path
 
 
@@ -82,9 +82,9 @@ def read_whole(name: str, path: str | os.PathLike[str], most: int = MOST_BINARY)
         with path.open("rb") as file:
             content = file.read(most + 1)
     except (OSError, MemoryError) as error:
-        raise InputError(f"{name}: {path} cannot be read ({_why(error)}); give another file") from None
+        raise InputError(name, f"{path} cannot be read ({_why(error)})", "give another file") from None
     if len(content) > most:  # files of /proc say that they have 0
-        raise InputError(f"{name}: {path} has more than {most:.3g} bytes; give a smaller file")
+        raise InputError(name, f"{path} has more than {most:.3g} bytes", "give a smaller file")
     return content
 
 
@@ -102,28 +102,28 @@ def writable(name: str, path: str | os.PathLike[str], *, locked: bool = False) -
     """
     path, found = named(name, path), None
     if str(path) == "-":
-        raise InputError(f"{name}: - is standard output, which takes the table alone; give a file's name")
+        raise InputError(name, "- is standard output, which takes the table alone", "give a file's name")
     try:
         path = Path(os.path.realpath(path))  # what a link points to is written, not the link
         found = path.stat()
     except (FileNotFoundError, NotADirectoryError):
         pass
     except (OSError, ValueError) as error:
-        raise InputError(f"{name}: {shortened(path)} cannot be written ({_why(error)}); give another name") from None
+        raise InputError(name, f"{shortened(path)} cannot be written ({_why(error)})", "give another name") from None
     folder = path.parent
     if not folder.is_dir():
-        raise InputError(f"{name}: the folder {folder} does not exist; make it first")
+        raise InputError(name, f"the folder {folder} does not exist", "make it first")
     if found is not None and stat.S_ISDIR(found.st_mode):
-        raise InputError(f"{name}: {path} is a folder; give a file's name")
+        raise InputError(name, f"{path} is a folder", "give a file's name")
     # Renaming onto a file needs no right to write it, and a superuser has all rights: its own bits say what is meant.
     if found is not None and (not found.st_mode & 0o222 or not os.access(path, os.W_OK)):
-        raise InputError(f"{name}: {path} is write-protected; give another name, or chmod u+w it first")
+        raise InputError(name, f"{path} is write-protected", "give another name, or chmod u+w it first")
     if found is not None and not locked and _is_being_written(path):
         raise InputError(
-            f"{name}: another program has {path} open for writing; close it there first, or give another name"
+            name, f"another program has {path} open for writing", "close it there first, or give another name"
         )
     if not os.access(folder, os.W_OK) and not (found and not stat.S_ISREG(found.st_mode)):
-        raise InputError(f"{name}: the folder {folder} cannot be written to; choose another")
+        raise InputError(name, f"the folder {folder} cannot be written to", "choose another")
     return path
 
 
@@ -184,7 +184,7 @@ def write_whole(name: str, path: Path, write: Callable[[Path], object]) -> None:
         failed = _of_the_system(error)
         if failed is None:
             raise
-        raise InputError(f"{name}: {path} could not be written ({_why(failed)}); {_remedy(failed)}") from None
+        raise InputError(name, f"{path} could not be written ({_why(failed)})", _remedy(failed)) from None
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)

@@ -79,7 +79,7 @@ def save_tree(name: str, path: str | os.PathLike[str], kind: str, tree: Tree) ->
         _write(file, tree)
     image = memory.getvalue()[HEADER:]
     if len(image) > MOST_BINARY:
-        raise InputError(f"{name}: it would have more than {MOST_BINARY:.3g} bytes; save a shorter run")
+        raise InputError(name, f"it would have more than {MOST_BINARY:.3g} bytes", "save a shorter run")
     write_whole(name, path, lambda temporary: temporary.write_bytes(sealed(kind, image)))
 
 
@@ -123,7 +123,7 @@ def load_tree(
         OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError
     ):  # fmt: skip
         raise InputError(
-            f"{name}: {path} cannot be read as a saved {_what(kind)}: something is missing or misplaced in it; {AGAIN}"
+            name, f"{path} cannot be read as a saved {_what(kind)}: something is missing or misplaced in it", AGAIN
         ) from None
 
 
@@ -138,10 +138,8 @@ def _unsealed(name: str, path: str | os.PathLike[str], kind: str, content: bytes
     if first == f"{kind}, format {FORMAT}".encode():
         if rest != f"sha256 {hashlib.sha256(image).hexdigest()}\n".encode() or not image.startswith(SUPERBLOCK):
             if image.startswith(SUPERBLOCK) and image[OPEN_FLAGS : OPEN_FLAGS + 1] > b"\0":
-                raise InputError(f"{name}: another program has {path} open for writing; close it there first")
-            raise InputError(
-                f"{name}: {path} is not as it was saved: it was cut off, damaged or changed since; {AGAIN}"
-            )
+                raise InputError(name, f"another program has {path} open for writing", "close it there first")
+            raise InputError(name, f"{path} is not as it was saved: it was cut off, damaged or changed since", AGAIN)
         return image
     what = f"no {_what(kind)} saved by this version"
     if not content:
@@ -154,7 +152,7 @@ def _unsealed(name: str, path: str | os.PathLike[str], kind: str, content: bytes
         what += f", but by another, whose format is {int(other[2])}"
     elif b"pearlbvp" in first:
         what += ": its first line is damaged"
-    raise InputError(f"{name}: {path} is {what}; give one that {writer} wrote")
+    raise InputError(name, f"{path} is {what}", f"give one that {writer} wrote")
 
 
 def kind_of(name: str, path: str | os.PathLike[str]) -> str:

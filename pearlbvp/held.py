@@ -96,13 +96,13 @@ class Held:
 
     def __post_init__(self) -> None:
         if self.solute is not None and not finite("osmotic", self.solute) > 0:
-            raise InputError(f"fix: osmotic={self.solute:g} is no solute; give an amount above 0")
+            raise InputError("fix", f"osmotic={self.solute:g} is no solute", "give an amount above 0")
         if self.ade is not None and not finite("ade", self.ade) > 0:
-            raise InputError(f"fix: ade={self.ade:g} is no modulus; give one above 0, or leave it out")
+            raise InputError("fix", f"ade={self.ade:g} is no modulus", "give one above 0, or leave it out")
         if self.solute is not None and self.volume:
-            raise InputError("fix: volume and osmotic are both held; give one of the two")
+            raise InputError("fix", "volume and osmotic are both held", "give one of the two")
         if self.ade is not None and not self.area:
-            raise InputError("fix: ade goes by the area, which tension does not hold; give area, or leave ade out")
+            raise InputError("fix", "ade goes by the area, which tension does not hold", "give area, or leave ade out")
 
     def __str__(self) -> str:
         words = ["area" if self.area else "tension"]
@@ -191,8 +191,10 @@ class Held:
         if self.observed(known).get("osmolarity", 0.0) < 0:
             least = -known["lambda2"] * math.pi * known["v"] * known["L"]
             raise InputError(
-                f"fix: osmotic={self.solute:g} has no equilibrium here: against pure water the pressure would be below that of "
-                f"the tube; give more than {least:.4g}"
+                "fix",
+                f"osmotic={self.solute:g} has no equilibrium here: against pure water the pressure "
+                "would be below that of the tube",
+                f"give more than {least:.4g}",
             )
 
 
@@ -222,26 +224,27 @@ def known_held(what: str | Held) -> Held:
     if isinstance(what, Held):
         return what
     if not isinstance(what, str):
-        raise InputError(f"fix: {what!r} must be a text; give one like 'area,volume'")
+        raise InputError("fix", f"{what!r} must be a text", "give one like 'area,volume'")
     named: dict[str, str] = {}
     values: dict[str, float] = {}
     for part in what.split(","):
         name, equals, number = (piece.strip() for piece in part.partition("="))
         kind = WORDS.get(name)
         if kind is None:
-            raise InputError(f"fix: {name or part!r} is nothing that can be held; choose of {CHOICES}")
+            raise InputError("fix", f"{name or part!r} is nothing that can be held", f"choose of {CHOICES}")
         if kind in named:
-            twice = f"{name} is given twice" if named[kind] == name else f"{named[kind]} and {name} are both held"
-            raise InputError(
-                f"fix: {twice}; give one of the two" if named[kind] != name else f"fix: {twice}; give it once"
-            )
+            if named[kind] == name:
+                raise InputError("fix", f"{name} is given twice", "give it once")
+            raise InputError("fix", f"{named[kind]} and {name} are both held", "give one of the two")
         named[kind] = name
         if name in WITH_NUMBER:
             if not equals:
-                raise InputError(f"fix: {name} needs a number; give one like {name}=1")
+                raise InputError("fix", f"{name} needs a number", f"give one like {name}=1")
             if has_unit(number):
                 raise InputError(
-                    f"fix: {name}={number} has a unit; convert it by the tube's, Units.of(radius, kappa).fix(text, L)"
+                    "fix",
+                    f"{name}={number} has a unit",
+                    "convert it by the tube's, Units.of(radius, kappa).fix(text, L)",
                 )
             values[WITH_NUMBER[name]] = finite(f"fix {name}", number)  # type: ignore[arg-type]
             if abs(values[WITH_NUMBER[name]]) > STIFFEST:
@@ -251,13 +254,14 @@ def known_held(what: str | Held) -> Held:
                     else "give less"
                 )
                 raise InputError(
-                    f"fix: {name}={number.strip()} is beyond {STIFFEST:g}, where rounding would decide; {stays}"
+                    "fix", f"{name}={number.strip()} is beyond {STIFFEST:g}, where rounding would decide", stays
                 )
         elif equals:
             column = {"tension": "lambda1", "pressure": "lambda2", "volume": "v", "length": "L"}.get(name, name)
             raise InputError(
-                f"fix: {name} takes no number, as every shape of a branch has its own; for the shape that has a given one stop "
-                f"there (--until {column}={number})"
+                "fix",
+                f"{name} takes no number, as every shape of a branch has its own",
+                f"for the shape that has a given one stop there (--until {column}={number})",
             )
     kept = {kind: named.get(kind, kind) == kind for kind in ("area", "volume", "length")}
     return Held(**kept, **values)  # type: ignore[arg-type]

@@ -35,9 +35,9 @@ def finite(name: str, value: float) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise InputError(f"{name}: {value!r} is not a number; give one like 0.48") from None
+        raise InputError(name, f"{value!r} is not a number", "give one like 0.48") from None
     if not math.isfinite(number):
-        raise InputError(f"{name}: {value!r} is not finite; give an ordinary number")
+        raise InputError(name, f"{value!r} is not finite", "give an ordinary number")
     return number
 
 
@@ -49,7 +49,7 @@ def positive(name: str, value: float) -> float:
     """
     number = finite(name, value)
     if number <= 0:
-        raise InputError(f"{name}: {value!r} must be positive; give a number above 0")
+        raise InputError(name, f"{value!r} must be positive", "give a number above 0")
     return number
 
 
@@ -62,7 +62,7 @@ def whole(name: str, value: float, least: float = 1) -> int:
     number = math.nan if isinstance(value, str) else finite(name, value)  # type: ignore[unreachable]
     if not (number == math.floor(number) if math.isfinite(number) else False) or number < least:
         bound = f", {least} or more" if math.isfinite(least) else ""
-        raise InputError(f"{name}: {value!r} must be a whole number{bound}; give one like {max(least, 2)}")
+        raise InputError(name, f"{value!r} must be a whole number{bound}", f"give one like {max(least, 2)}")
     return int(number)
 
 
@@ -77,7 +77,7 @@ def mode_numbers(name: str, value: tuple[int, int], least: float = 0) -> tuple[i
         return whole(name, m, least), whole(name, n, least)
     except (TypeError, ValueError):  # an InputError is one of the latter
         raise InputError(
-            f"{name}: {value!r} must be two whole numbers, waves along and around; give a pair like (1, 1)"
+            name, f"{value!r} must be two whole numbers, waves along and around", "give a pair like (1, 1)"
         ) from None
 
 
@@ -90,7 +90,7 @@ def mode_list(modes: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
     try:
         return [mode_numbers("mode", mode) for mode in modes]
     except TypeError:
-        raise InputError(f"modes: {modes!r} must be a list of pairs; give one like [(1, 0), (1, 1)]") from None
+        raise InputError("modes", f"{modes!r} must be a list of pairs", "give one like [(1, 0), (1, 1)]") from None
 
 
 def choice(name: str, value: str, known: Sequence[str]) -> str:
@@ -100,7 +100,7 @@ def choice(name: str, value: str, known: Sequence[str]) -> str:
         InputError: it is none of them; the message names the argument.
     """
     if value not in known:
-        raise InputError(f"{name}: {value!r} is unknown; choose one of {', '.join(known)}")
+        raise InputError(name, f"{value!r} is unknown", f"choose one of {', '.join(known)}")
     return value
 
 
@@ -124,11 +124,11 @@ class Tube:
         object.__setattr__(self, "L", positive("length", self.L))
         if abs(self.c0) > LARGEST_C0:
             raise InputError(
-                f"c0: {self.c0:g} is beyond {LARGEST_C0:g} in units of 1/radius; check its unit, or the radius"
+                "c0", f"{self.c0:g} is beyond {LARGEST_C0:g} in units of 1/radius", "check its unit, or the radius"
             )
         if not SHORTEST <= self.length <= LONGEST:
             raise InputError(
-                f"length: {self.length:g} radii is not between {SHORTEST:g} and {LONGEST:g}; check its unit"
+                "length", f"{self.length:g} radii is not between {SHORTEST:g} and {LONGEST:g}", "check its unit"
             )
 
     @property
@@ -148,7 +148,7 @@ def known_tube(tube: Tube) -> Tube:
         InputError: it is none.
     """
     if not isinstance(tube, Tube):
-        raise InputError(f"tube: {type(tube).__name__} must be a tube; give one like Tube(0.48, 15)")
+        raise InputError("tube", f"{type(tube).__name__} must be a tube", "give one like Tube(0.48, 15)")
     return tube
 
 

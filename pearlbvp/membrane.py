@@ -73,7 +73,7 @@ class MembraneProblem(Problem):
         Raises:
             InputError: it has points of its own only.
         """
-        raise InputError("point: a shape on a mesh has points of its own only; take those (own_mesh)")
+        raise InputError("point", "a shape on a mesh has points of its own only", "take those (own_mesh)")
 
     def own_mesh(self, u: Array) -> PeriodicMesh | None:
         """The surface's own triangles, where it has any."""
@@ -100,7 +100,7 @@ class MembraneProblem(Problem):
             InputError: it is made of no single curve.
         """
         raise InputError(
-            f"profile: a {self.family} is made of no single curve; write its surface (surface=FILE.vtu, or .csv)"
+            "profile", f"a {self.family} is made of no single curve", "write its surface (surface=FILE.vtu, or .csv)"
         )
 
     def signed_amplitude(self, u: Array) -> float:
@@ -152,7 +152,7 @@ def checked_tolerance(tolerance: float | None, usual: float) -> float:
         InputError: it is too fine for the arithmetic, or too coarse.
     """
     if tolerance is not None and not 1e-13 <= finite("tolerance", tolerance) <= 1e-3:
-        raise InputError(f"tolerance: {tolerance:g} is not between 1e-13 and 1e-3; give one like {usual:g}")
+        raise InputError("tolerance", f"{tolerance:g} is not between 1e-13 and 1e-3", f"give one like {usual:g}")
     return usual if tolerance is None else tolerance
 
 

@@ -8,6 +8,8 @@ import os
 import sys
 from typing import Any
 
+from pearlbvp.errors import InputError
+
 PROGRAM = "pearlbvp: "
 """What lines begin with, so that it is seen in a script whose they are."""
 
@@ -53,11 +55,11 @@ def _taken(flags: int) -> int:
     return number
 
 
-def why_not_written(error: OSError) -> str:
+def why_not_written(error: OSError) -> InputError:
     """Why standard output took nothing, and what to do."""
     if error.errno == errno.EBADF:
-        return "standard output: it is closed; open it, or use --out"
-    return f"standard output: {error.strerror or error}; free space or use --out"
+        return InputError("standard output", "it is closed", "open it, or use --out")
+    return InputError("standard output", error.strerror or str(error), "free space or use --out")
 
 
 def counted(number: int, one: str, many: str = "") -> str:

@@ -18,7 +18,7 @@ def _number(name: str, text: str) -> Decimal:
     except InvalidOperation:
         number = Decimal("nan")
     if not number.is_finite():
-        raise InputError(f"{name}: {text.strip()!r} is not a finite number; write numbers like 15 or 7.5")
+        raise InputError(name, f"{text.strip()!r} is not a finite number", "write numbers like 15 or 7.5")
     return number
 
 
@@ -34,24 +34,24 @@ def parse_numbers(name: str, text: str) -> list[float]:
     """
     numbers: list[float] = []
     if not text.strip():
-        raise InputError(f"{name}: the list is empty; write numbers like 15,30,45 or a range like 7.5:120:0.5")
+        raise InputError(name, "the list is empty", "write numbers like 15,30,45 or a range like 7.5:120:0.5")
     for item in text.split(","):
         parts = item.split(":")
         if len(parts) == 1:
             numbers.append(float(_number(name, item)))
             continue
         if len(parts) != 3:
-            raise InputError(f"{name}: {item.strip()!r} is no range; write start:stop:step, like 7.5:120:0.5")
+            raise InputError(name, f"{item.strip()!r} is no range", "write start:stop:step, like 7.5:120:0.5")
         start, stop, step = (_number(name, part) for part in parts)
         if step == 0:
-            raise InputError(f"{name}: {item.strip()!r} has a step of 0; choose one that divides the range")
+            raise InputError(name, f"{item.strip()!r} has a step of 0", "choose one that divides the range")
         if (stop - start) / step < 0:
-            raise InputError(f"{name}: {item.strip()!r} never reaches {stop}; change the step's sign")
+            raise InputError(name, f"{item.strip()!r} never reaches {stop}", "change the step's sign")
         if (stop - start) / step > MOST:
-            raise InputError(f"{name}: {item.strip()!r} has more than {MOST} numbers; take a larger step")
+            raise InputError(name, f"{item.strip()!r} has more than {MOST} numbers", "take a larger step")
         if (stop - start) % step != 0:
             raise InputError(
-                f"{name}: {item.strip()!r} steps past its end {stop}; choose a step that divides the range"
+                name, f"{item.strip()!r} steps past its end {stop}", "choose a step that divides the range"
             )
         numbers.extend(float(start + i * step) for i in range(int((stop - start) / step) + 1))
     return numbers
@@ -68,5 +68,5 @@ def as_numbers(name: str, values: float | str | Iterable[float]) -> list[float]:
     several = values if isinstance(values, Iterable) else [values]
     numbers = [finite(name, value) for value in several]
     if not numbers:
-        raise InputError(f"{name}: the list is empty; give at least one number")
+        raise InputError(name, "the list is empty", "give at least one number")
     return numbers

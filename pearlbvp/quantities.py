@@ -101,7 +101,7 @@ def read(argument: str, text: str, temperature: float = 310.0) -> Amount:
     # A joule is kg m^2/s^2: the energy has the power of the mass, and that leaves these of metre and second.
     exponents = metre - 2 * mass, second + 2 * mass, mass
     if powers or not all(float(power).is_integer() for power in exponents):
-        raise InputError(f"{argument}: {text} is not measured in lengths, times and energies; check its unit")
+        raise InputError(argument, f"{text} is not measured in lengths, times and energies", "check its unit")
     return Amount(text, value, Dimension(*(int(power) for power in exponents)), magnitude, unit)
 
 
@@ -117,13 +117,13 @@ def kelvins(argument: str, text: str) -> float:
     """
     value, powers, *_ = _parsed(argument, text, 1.0) if has_unit(text) else (0.0, {})
     if powers != {"[temperature]": 1} or not COLDEST < value < HOTTEST:
-        raise InputError(f"{argument}: {text} is no temperature of a membrane; give one like 310K or 37degC")
+        raise InputError(argument, f"{text} is no temperature of a membrane", "give one like 310K or 37degC")
     return value
 
 
 def _parsed(argument: str, text: str, temperature: float) -> tuple[float, dict[str, float], float, str]:
     """Value in SI units, powers by dimension, the number as written and its unit."""
-    wrong = InputError(f"{argument}: {text[:LONGEST]!r} is no number with a unit that is known; {_advice(text)}")
+    wrong = InputError(argument, f"{text[:LONGEST]!r} is no number with a unit that is known", _advice(text))
     if len(text) > LONGEST or not re.fullmatch(QUANTITY, text):
         raise wrong
     import pint
@@ -137,7 +137,7 @@ def _parsed(argument: str, text: str, temperature: float) -> tuple[float, dict[s
     except (pint.PintError, ArithmeticError, AttributeError, ValueError, TypeError):
         raise wrong from None
     if not math.isfinite(value):
-        raise InputError(f"{argument}: {text} is not finite; give an ordinary quantity")
+        raise InputError(argument, f"{text} is not finite", "give an ordinary quantity")
     return value, powers, float(found.magnitude), unit
 
 

@@ -37,7 +37,9 @@ def _in_radii(part: str, scale: Scale | None, pressure: float, length: float) ->
         return part
     if scale is None or scale.energy is None:
         raise InputError(
-            f"fix: {name}={value} takes the tube's radius and rigidity; give radius=50nm or the like, and give kappa=20kT"
+            "fix",
+            f"{name}={value} takes the tube's radius and rigidity",
+            "give radius=50nm or the like, and give kappa=20kT",
         )
     if name == "ade":
         modulus = _si(value, ENERGY, f"ade={value} is no energy; give one like 60kT", scale)
@@ -56,7 +58,7 @@ def _si(text: str, dimension: Dimension, wrong: str, scale: Scale) -> float:
     try:
         amount = read("fix", text, scale.temperature)
     except InputError:
-        raise InputError(f"fix: {wrong}") from None
+        raise InputError("fix", wrong) from None
     if amount.dimension != dimension:
-        raise InputError(f"fix: {wrong}")
+        raise InputError("fix", wrong)
     return amount.value

@@ -125,11 +125,11 @@ class Scale:
         amount, wanted = read(argument, text, self.temperature), dimension._replace(spontaneous=0)
         if self.energy is None:
             if amount.dimension == wanted and wanted.energy:
-                raise InputError(f"{argument}: {text} takes the bending rigidity; give kappa=20kT or the like, too")
+                raise InputError(argument, f"{text} takes the bending rigidity", "give kappa=20kT or the like, too")
             wanted = wanted._replace(energy=0)
         if amount.dimension != wanted:
             advice = WORDS.get(wanted, f"one in {unit}")
-            raise InputError(f"{argument}: {text} is {said(amount)}; give {advice}")
+            raise InputError(argument, f"{text} is {said(amount)}", f"give {advice}")
         return float(f"{amount.value / self.in_si(wanted):.15g}")
 
     def options(self, radius: str) -> str:
@@ -176,12 +176,12 @@ def _amount(argument: str, text: str, kelvin: float, wanted: Dimension, least: f
     """
     amount = read(argument, text, kelvin)
     if amount.dimension != wanted:
-        raise InputError(f"{argument}: {text} is {said(amount)}; give {WORDS[wanted]}")
+        raise InputError(argument, f"{text} is {said(amount)}", f"give {WORDS[wanted]}")
     if amount.value <= 0:
-        raise InputError(f"{argument}: {text} must be positive; give {WORDS[wanted]}")
+        raise InputError(argument, f"{text} must be positive", f"give {WORDS[wanted]}")
     if not least <= amount.value <= most:
         unit = "m" if wanted == LENGTH else "J"
-        raise InputError(f"{argument}: {text} is not between {least:g} and {most:g} {unit}; check its unit")
+        raise InputError(argument, f"{text} is not between {least:g} and {most:g} {unit}", "check its unit")
     return amount
 
 

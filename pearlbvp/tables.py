@@ -51,7 +51,7 @@ def refuse_misspelt(name: str, headings: Iterable[str], known: Iterable[str]) ->
         word = name_of(heading).casefold()
         if word not in names and (meant := get_close_matches(word, names, 1, ALIKE)):
             right = names[meant[0]] + heading.removeprefix(name_of(heading))
-            raise InputError(f"{name}: the column {heading} is none that is known; rename it to {right}, or remove it")
+            raise InputError(name, f"the column {heading} is none that is known", f"rename it to {right}, or remove it")
 
 
 def read_table(
@@ -82,7 +82,7 @@ def read_table(
     lines = _text(name, path).splitlines()
     rows, above = _rows(lines)
     if not rows:
-        raise InputError(f"{name}: {path} holds no table; it needs a header and at least one row")
+        raise InputError(name, f"{path} holds no table", "it needs a header and at least one row")
     header, first = [word.strip().strip("\ufeff") for word in rows[0]], 2
     if all(_is_number(word) for word in header):
         named = columns and set(columns) <= set(map(name_of, above)) and len(above) == len(header)
@@ -90,18 +90,18 @@ def read_table(
         first = 1
         if len(header) != len(rows[0]):
             wanted = ", ".join(columns or unnamed)
-            raise InputError(
-                f"{name}: {path} has no line with the names of its columns; write one" + (f": {wanted}" * bool(wanted))
-            )
+            remedy = f"write one: {wanted}" if wanted else "write one"
+            raise InputError(name, f"{path} has no line with the names of its columns", remedy)
     rows = rows[first - 1 :]
     if not rows:
-        raise InputError(f"{name}: {path} holds no table; it needs a header and at least one row")
+        raise InputError(name, f"{path} holds no table", "it needs a header and at least one row")
     for row in rows:
         if len(row) != len(header):
             decimal = len(row) > len(header) and all(word.strip().lstrip("+-").isdigit() for word in row)
             raise InputError(
-                f"{name}: {path} has {len(header)} columns but a row of {len(row)}: {','.join(row)[:80]}; "
-                + ("write decimal points where commas are no separators" if decimal else "complete it")
+                name,
+                f"{path} has {len(header)} columns but a row of {len(row)}: {','.join(row)[:80]}",
+                "write decimal points where commas are no separators" if decimal else "complete it",
             )
     written, header = header, _as_wanted(name, path, header, [*(columns or ()), *optional])
     chosen = list(header) if columns is None else list(columns)
@@ -110,11 +110,11 @@ def read_table(
     missing = [column for column in chosen if column not in header]
     if missing:
         raise InputError(
-            f"{name}: {path} has no column {', '.join(missing)}; its columns are {', '.join(written)[:200]}"
+            name, f"{path} has no column {', '.join(missing)}", f"its columns are {', '.join(written)[:200]}"
         )
     twice = [column for column in chosen if header.count(column) > 1]
     if twice:
-        raise InputError(f"{name}: {path} has two columns {twice[0]!r}; rename one of them")
+        raise InputError(name, f"{path} has two columns {twice[0]!r}", "rename one of them")
     places = [(header.index(column), column) for column in chosen]
     return Table(
         {column: [_number(name, path, row[i], column, k) for k, row in enumerate(rows, first)] for i, column in places},
@@ -136,7 +136,7 @@ def _as_wanted(name: str, path: str | os.PathLike[str], header: list[str], wante
         if len(places) > 1:
             both = " and ".join(repr(header[i]) for i in places[:2])
             raise InputError(
-                f"{name}: {path} has the columns {both}, either of which may be {column}; rename one of them"
+                name, f"{path} has the columns {both}, either of which may be {column}", "rename one of them"
             )
         found[places[0]] = column
     return found
@@ -145,7 +145,7 @@ def _as_wanted(name: str, path: str | os.PathLike[str], header: list[str], wante
 def _text(name: str, path: str | os.PathLike[str]) -> str:
     content = read_whole(name, path, MOST_TEXT)
     if content.startswith(WORKBOOKS):
-        raise InputError(f"{name}: {path} is a workbook of a spreadsheet program, not CSV; save its table as CSV there")
+        raise InputError(name, f"{path} is a workbook of a spreadsheet program, not CSV", "save its table as CSV there")
     encoding = next((found for mark, found in BYTE_ORDER_MARKS if content.startswith(mark)), "utf-8")
     try:
         try:
@@ -155,7 +155,7 @@ def _text(name: str, path: str | os.PathLike[str]) -> str:
     except UnicodeError:
         text = "\0"
     if "\0" in text:
-        raise InputError(f"{name}: {path} cannot be read as CSV (it is no text); give a table with a header")
+        raise InputError(name, f"{path} cannot be read as CSV (it is no text)", "give a table with a header")
     return text
 
 
@@ -220,11 +220,14 @@ def _number(name: str, path: str | os.PathLike[str], word: str, column: str, row
         number = float(word) if word.strip() else math.nan
     except ValueError:
         raise InputError(
-            f"{name}: {path} holds {word[:40]!r}, which is no number, in column {column} of row {row}; leave such columns out"
+            name,
+            f"{path} holds {word[:40]!r}, which is no number, in column {column} of row {row}",
+            "leave such columns out",
         ) from None
     if word.strip() and not math.isfinite(number):
         raise InputError(
-            f"{name}: {path} holds {word.strip()[:40]!r} in column {column} of row {row}, which is not finite; give a number, "
-            "or leave it empty"
+            name,
+            f"{path} holds {word.strip()[:40]!r} in column {column} of row {row}, which is not finite",
+            "give a number, or leave it empty",
         )
     return number

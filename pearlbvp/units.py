@@ -83,7 +83,7 @@ class Units(Conversion):
             number, scale = Scale.of(radius, kappa, temperature, convention)
             return cls(number, given=True, scale=scale)
         if kappa is not None:
-            raise InputError("kappa: it needs the radius with its unit; give radius=50nm or the like, too")
+            raise InputError("kappa", "it needs the radius with its unit", "give radius=50nm or the like, too")
         return cls(positive("radius", radius), given=True)  # type: ignore[arg-type]
 
     @classmethod
@@ -102,7 +102,7 @@ class Units(Conversion):
         try:
             return cls.from_tree(group_of(name, path, "units"))
         except (ValueError, LookupError, TypeError):
-            raise InputError(f"{name}: the units in {path} cannot be read; give an intact copy") from None
+            raise InputError(name, f"the units in {path} cannot be read", "give an intact copy") from None
 
     def number(self, name: str, text: str | float, argument: str) -> float:
         """A quantity in the user's unit, from a number that is in it or from a text with a unit of its own.
@@ -120,7 +120,7 @@ class Units(Conversion):
         if self.scale is None:
             read(argument, text)  # which refuses what is no quantity
             raise InputError(
-                f"{argument}: {text} has a unit, so the radius needs one; give radius=50nm or the like, too"
+                argument, f"{text} has a unit, so the radius needs one", "give radius=50nm or the like, too"
             )
         if name not in QUANTITIES:
             return read(argument, text, self.scale.temperature).magnitude
@@ -163,8 +163,9 @@ class Units(Conversion):
         if name != self.symbol("c0"):
             own = self.symbol("c0")
             raise InputError(
-                f"{argument}: the spontaneous curvature is {own} here, as in the tables, and {name} is twice or half of it; "
-                f"give {own}=VALUE"
+                argument,
+                f"the spontaneous curvature is {own} here, as in the tables, and {name} is twice or half of it",
+                f"give {own}=VALUE",
             )
         return "c0"
 

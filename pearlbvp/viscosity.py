@@ -27,12 +27,14 @@ def in_fluids(units: Units, viscosity: str | float | None = None) -> Units:
     if viscosity is None:
         return units
     if not isinstance(viscosity, str) or not has_unit(viscosity):
-        raise InputError(f"viscosity: {viscosity} has no unit; give one like 1mPa.s")
+        raise InputError("viscosity", f"{viscosity} has no unit", "give one like 1mPa.s")
     if units.scale is None or units.scale.energy is None:
-        raise InputError(f"viscosity: {viscosity} needs the radius, like 50nm, and kappa, like 20kT; give those, too")
+        raise InputError(
+            "viscosity", f"{viscosity} needs the radius, like 50nm, and kappa, like 20kT", "give those, too"
+        )
     pascal_seconds = units.scale.number("viscosity", viscosity, VISCOSITY, "Pa*s")
     if not pascal_seconds > 0:
-        raise InputError(f"viscosity: {viscosity} is not above 0; give one like 1mPa.s")
+        raise InputError("viscosity", f"{viscosity} is not above 0", "give one like 1mPa.s")
     return units.in_time(pascal_seconds / units.to_user("pressure", 1.0))
 
 
@@ -49,7 +51,8 @@ def membrane_viscosity_of(units: Units, text: str | float) -> float:
     quantity = units.unit("rate") != "1/s" and isinstance(text, str) and has_unit(text)
     if quantity and read("membrane_viscosity", str(text)).dimension == QUANTITIES["membrane_viscosity"]:
         raise InputError(
-            f"membrane_viscosity: {text} needs the viscosity of the fluid, like 1mPa.s; give that, too, or a length, "
-            "their ratio"
+            "membrane_viscosity",
+            f"{text} needs the viscosity of the fluid, like 1mPa.s",
+            "give that, too, or a length, their ratio",
         )
     return units.from_user("membrane_viscosity", units.number("membrane_viscosity", text, "membrane_viscosity"))

@@ -356,11 +356,12 @@ def test_a_sentence_reads_in_any_unit_and_keeps_its_numbers_on_its_way_through_a
     whole = Sentence.joined("shape {0}: ", neck, Sentence("; t = {t:g}", t=2.0))
     assert whole == "shape {0}: a neck of 0.5 radii at {x}; t = 2"
     assert Units(2.0, given=True).said("(" + neck + ")") == "(a neck of 1 units at {x})"
-    error = pickle.loads(pickle.dumps(InputError(whole)))
-    assert str(error) == whole
+    error = pickle.loads(pickle.dumps(InputError("flow", whole)))
+    assert str(error) == f"flow: {whole}"
+    assert Units(10.0, given=True).said(str(error)) == "flow: shape {0}: a neck of 5 units at {x}; t = 20000"
     tall = Units(10.0, given=True)
-    assert tall.said(error.args[0]) == "shape {0}: a neck of 5 units at {x}; t = 20000"
-    assert tall.of_flow("diffusion").said(error.args[0]).endswith("t = 2e+06")
+    assert tall.said(error.what) == "shape {0}: a neck of 5 units at {x}; t = 20000"
+    assert tall.of_flow("diffusion").said(error.what).endswith("t = 2e+06")
     assert tall.said("as it is {r}") == "as it is {r}"
 
 

@@ -73,7 +73,7 @@ def localized(c0: ArrayLike, period: ArrayLike, pearls: ArrayLike) -> LocalizedP
     c0, period, pearls = np.broadcast_arrays(*(np.asarray(given, dtype=float) for given in (c0, period, pearls)))
     had = holds(c0, period, pearls)
     if not had.all():
-        raise InputError(_reason(*(float(given[~had][0]) for given in (c0, period, pearls))))
+        raise _not_held(*(float(given[~had][0]) for given in (c0, period, pearls)))
     flat = [np.ravel(given) for given in (c0, period, pearls)]
     found = np.empty((c0.size, 5))
     for start in range(0, c0.size, AT_ONCE):
@@ -101,14 +101,21 @@ def _atlas() -> Atlas:
     return Atlas.load()
 
 
-def _reason(c0: float, period: float, pearls: float) -> str:
+def _not_held(c0: float, period: float, pearls: float) -> InputError:
     """Why the atlas does not have some pearls."""
     if not (2 <= pearls < math.inf and pearls == int(pearls)):
-        return f"pearls: {pearls:g} is no number of pearls that can lose stability to one of them; give 2 or more"
+        return InputError(
+            "pearls", f"{pearls:g} is no number of pearls that can lose stability to one of them", "give 2 or more"
+        )
     if not CURVATURES[0] <= c0 <= CURVATURES[1]:
-        return f"c0: the atlas has values from {CURVATURES[0]:g} to {CURVATURES[1]:g}, not {c0:g}; use localized_pearls"
+        return InputError(
+            "c0",
+            f"the atlas has values from {CURVATURES[0]:g} to {CURVATURES[1]:g}, not {c0:g}",
+            "use localized_pearls",
+        )
     short, long = (float(end) for end in _periods(c0, pearls))
-    return (
-        f"period: {pearls:g} pearls of period {period:.9g} radii are not stable at their onset, or hardly (c0 = {c0:g}); give "
-        f"one from {short:.6g} to {long:.6g}"
+    return InputError(
+        "period",
+        f"{pearls:g} pearls of period {period:.9g} radii are not stable at their onset, or hardly (c0 = {c0:g})",
+        f"give one from {short:.6g} to {long:.6g}",
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.bvp.solve import BvpSolution
-from pearlbvp.collocation import Discretization, equidistribute, error_estimate, intervals_for
+from pearlbvp.collocation import Collocated, Discretization, equidistribute, error_estimate, intervals_for
 from pearlbvp.continuation.branch import SpecialPoint
 from pearlbvp.continuation.crossing import crossing_direction
 from pearlbvp.continuation.following import BranchOptions, continue_branch
@@ -40,7 +40,7 @@ class Own:
 
 
 @dataclass(frozen=True)
-class BvpProblem(Problem):
+class BvpProblem(Collocated, Problem):
     """A user's problem on a mesh, as ``continuation`` takes it; the last free parameter is the one that is varied.
 
     Attributes:
@@ -68,18 +68,6 @@ class BvpProblem(Problem):
     def at(self, u: Array) -> BvpSolution:
         """The solution with an unknown."""
         return replace(self.like, discretization=self.discretization, u=u, iterations=0, tangent=None)
-
-    def residual(self, u: Array) -> Array:
-        """Defects and conditions; see ``Discretization.residual``."""
-        return self.discretization.residual(u)
-
-    def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
-        """Bordered solve of the residual's Jacobian at ``u``; see ``Discretization.solve``."""
-        return self.discretization.solve(u, rhs, row)
-
-    def inner(self, u: Array, v: Array) -> float:
-        """Mean of ``y_u . y_v`` plus the product of the free parameters: the same on every mesh."""
-        return self.discretization.inner(u, v)
 
     def observables(self, u: Array) -> dict[str, float]:
         """All parameters, then what the user asked for."""
@@ -225,9 +213,9 @@ def continue_bvp(
         1.000000000
     """
     if not solution.success:
-        raise InputError(f"solution: it is none ({solution.message}); solve the problem first")
+        raise InputError("solution", f"it is none ({solution.message})", "solve the problem first")
     if direction not in (-1, 0, 1):
-        raise InputError(f"direction: {direction!r} is none of 1, -1 and 0")
+        raise InputError("direction", f"{direction!r} is none of 1, -1 and 0")
     problem, u = _problem(solution, vary, {"norm": norm} if observables is None else observables)
     options = _options(problem.observables(u), vary, until or {}, folds, step, max_step, max_points)
     singular = abs(problem._distance(u)[0]) < NEUTRAL
@@ -260,7 +248,9 @@ def _towards(problem: BvpProblem, u: Array, sign: float) -> Array:
     try:
         return tangent_along(problem, u, _of_parameter(u, sign))
     except np.linalg.LinAlgError:
-        raise InputError("solution: a fold or branch point, of unknown tangent; vary another parameter first") from None
+        raise InputError(
+            "solution", "a fold or branch point, of unknown tangent", "vary another parameter first"
+        ) from None
 
 
 def _across(problem: BvpProblem, u: Array, along: Array | None, half: int) -> Array:
@@ -273,7 +263,7 @@ def _across(problem: BvpProblem, u: Array, along: Array | None, half: int) -> Ar
     """
     if along is None:
         raise InputError(
-            "across: the solution is no branch point of a branch in this parameter; take one of find('bp')"
+            "across", "the solution is no branch point of a branch in this parameter", "take one of find('bp')"
         )
     phi, eps = crossing_direction(problem, u, along), 1e-3
 
@@ -298,7 +288,7 @@ def _problem(solution: BvpSolution, vary: str, observables: Observables) -> tupl
     if vary not in names or vary in free:
         which = "is determined by the conditions" if vary in free else "is no parameter"
         others = ", ".join(name for name in names if name not in free)
-        raise InputError(f"vary: {vary!r} {which}; choose among {others or 'none'}")
+        raise InputError("vary", f"{vary!r} {which}", f"choose among {others or 'none'}")
     parameters = d.all_parameters(solution.u)
     problem = BvpProblem(replace(d, parameters=parameters, free=(*free, vary)), solution, observables)
     u = problem.discretization.pack(d.values(solution.u), parameters)
@@ -306,7 +296,7 @@ def _problem(solution: BvpSolution, vary: str, observables: Observables) -> tupl
         value = function(problem.at(u))
         if name in names or np.ndim(value) or not math.isfinite(value):
             which = "is a parameter's name; take another" if name in names else "is not one finite number; return one"
-            raise InputError(f"observables: {name} {which}")
+            raise InputError("observables", f"{name} {which}")
     return problem, u
 
 
@@ -322,15 +312,18 @@ def _options(
     """A user's wishes in the words of ``continuation``."""
     for name in (*folds, *(kind.removeprefix("fold:") for kind in until if kind not in ("bp", "fold"))):
         if name not in observed:
-            raise InputError(f"until: no parameter or observable is called {name!r}; there are {', '.join(observed)}")
+            raise InputError(
+                "until", f"no parameter or observable is called {name!r}", f"there are {', '.join(observed)}"
+            )
     special = {kind: number for kind, number in until.items() if kind not in observed}
     for kind, number in special.items():
         if number != int(number) or number < 1:
-            raise InputError(f"until: {number:g} is no number of a {kind}; count them from 1")
+            raise InputError("until", f"{number:g} is no number of a {kind}", "count them from 1")
     smallest, step = PathOptions.min_step, min(0.1, max_step) if step is None else step
     if max_points < 2 or not smallest < step <= max_step:
         raise InputError(
-            f"step: {step:g} must be above {smallest:g} and not above max_step = {max_step:g}, and max_points 2 or more"
+            "step",
+            f"{step:g} must be above {smallest:g} and not above max_step = {max_step:g}, and max_points 2 or more",
         )
     return BranchOptions(
         path=PathOptions(step=step, max_step=max_step, max_points=max_points),

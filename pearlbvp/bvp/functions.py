@@ -120,16 +120,16 @@ def _array(name: str, value: Any, shape: tuple[int, ...]) -> Array:
     try:
         array = np.array(value).astype(float, order="C", casting="same_kind")
     except (TypeError, ValueError):
-        raise InputError(f"{name}: its value is no array of real numbers; {remedy}") from None
+        raise InputError(name, "its value is no array of real numbers", remedy) from None
     if array.shape != shape:
-        raise InputError(f"{name}: its value has the shape {array.shape}; {remedy}")
+        raise InputError(name, f"its value has the shape {array.shape}", remedy)
     return array
 
 
 def _arrays(name: str, value: Any, rows: tuple[int, ...], columns: tuple[int, ...]) -> tuple[Array, ...]:
     """A user's derivatives, one array for each number of columns; None stands for zeros."""
     if not isinstance(value, (tuple, list)) or len(value) != len(columns):
-        raise InputError(f"{name}: it must return {len(columns)} arrays, one by each argument; None stands for zeros")
+        raise InputError(name, f"it must return {len(columns)} arrays, one by each argument", "None stands for zeros")
     shapes = [(*rows, count) for count in columns]
     pairs = zip(value, shapes, strict=True)
     return tuple(np.zeros(shape) if part is None else _array(name, part, shape) for part, shape in pairs)

@@ -152,12 +152,12 @@ def solve_bvp(
         0.14053921
     """
     if m not in range(2, 8):
-        raise InputError(f"m: {m!r} is no whole number from 2 to 7")
+        raise InputError("m", f"{m!r} is no whole number from 2 to 7")
     if not tolerance > 0 or not max_intervals >= 1:
-        raise InputError("tolerance: it and max_intervals must be positive")
+        raise InputError("tolerance", "it and max_intervals must be positive")
     points, values = _mesh_and_guess(mesh, guess)
     if not isinstance(parameters or {}, Mapping):
-        raise InputError('parameters: they must have names; give a dictionary such as {"lam": 1.0}')
+        raise InputError("parameters", "they must have names", 'give a dictionary such as {"lam": 1.0}')
     names, p = tuple(parameters or {}), _numbers("parameters", list((parameters or {}).values()))
     interval = float(points[0]), float(points[-1])
     unit = (points - points[0]) / (points[-1] - points[0])
@@ -190,15 +190,16 @@ def _mesh_and_guess(mesh: object, guess: object) -> tuple[Array, Array]:
     else:
         points = _numbers("mesh", mesh)
     if points.ndim != 1 or len(points) < 2 or not (np.diff(points) > 0).all():
-        raise InputError("mesh: it must be two or more increasing numbers; None is an even mesh on [0, 1]")
+        raise InputError("mesh", "it must be two or more increasing numbers", "None is an even mesh on [0, 1]")
     values = _numbers("guess", guess(points)) if callable(guess) else given
     assert values is not None
     if values.ndim == 1 and not callable(guess):
         values = np.tile(values, (len(points), 1))
     if values.ndim != 2 or len(values) != len(points) or not values.shape[1]:
         raise InputError(
-            f"guess: shape {values.shape} does not fit the {len(points)} points of the mesh; give a row for each point, or one "
-            "number for each state"
+            "guess",
+            f"shape {values.shape} does not fit the {len(points)} points of the mesh",
+            "give a row for each point, or one number for each state",
         )
     return points, values
 
@@ -207,9 +208,9 @@ def _numbers(name: str, value: object) -> Array:
     try:
         numbers = np.array(value, dtype=float)
     except (TypeError, ValueError):
-        raise InputError(f"{name}: it is no array of numbers; give one, a row a point") from None
+        raise InputError(name, "it is no array of numbers", "give one, a row a point") from None
     if not np.isfinite(numbers).all():
-        raise InputError(f"{name}: it has entries that are not finite; give numbers")
+        raise InputError(name, "it has entries that are not finite", "give numbers")
     return numbers
 
 
@@ -219,9 +220,9 @@ def _conditions(given: Functions, points: Array, values: Array, p: Array) -> tup
         b = np.shape(given.boundary(values[0].copy(), values[-1].copy(), p.copy()))
         c = (0, 0) if given.integral is None else np.shape(given.integral(points.copy(), values.copy(), p.copy()))
     if len(b) != 1:
-        raise InputError(f"boundary: its value has the shape {b}; return one number a condition, shape (b,)")
+        raise InputError("boundary", f"its value has the shape {b}", "return one number a condition, shape (b,)")
     if len(c) != 2:
-        raise InputError(f"integral: its value has the shape {c}; return a row a point, shape ({len(points)}, c)")
+        raise InputError("integral", f"its value has the shape {c}", f"return a row a point, shape ({len(points)}, c)")
     return b[0], c[1]
 
 
@@ -230,11 +231,13 @@ def _count(n: int, names: tuple[str, ...], free: tuple[str, ...], b: int, c: int
     unknown = [name for name in free if name not in names]
     if unknown or len(set(free)) < len(free):
         which = f"no parameter is called {unknown[0]!r}" if unknown else f"{free} names one twice"
-        raise InputError(f"free: {which}; choose among {', '.join(names) or 'none'}")
+        raise InputError("free", which, f"choose among {', '.join(names) or 'none'}")
     if b + c != n + len(free):
         remedy = "name a parameter in free for each condition beyond" if b + c > n + len(free) else "add conditions"
         raise InputError(
-            f"boundary: {b} boundary and {c} integral conditions for {n} states and {len(free)} free parameters; {remedy}"
+            "boundary",
+            f"{b} boundary and {c} integral conditions for {n} states and {len(free)} free parameters",
+            remedy,
         )
 
 
@@ -247,6 +250,6 @@ def _finite(problem: BoundaryValueProblem, interval: tuple[float, float], unit: 
     for name, value in found.items():
         for place in s[~np.isfinite(value).all(axis=1)]:
             t = interval[0] + (interval[1] - interval[0]) * float(place)
-            raise InputError(f"{name}: not finite at the guess, at t = {t:.6g}; give a guess where it is defined")
+            raise InputError(name, f"not finite at the guess, at t = {t:.6g}", "give a guess where it is defined")
     if not np.isfinite(ends).all():
-        raise InputError("boundary: not finite at the guess; give a guess where it is defined")
+        raise InputError("boundary", "not finite at the guess", "give a guess where it is defined")

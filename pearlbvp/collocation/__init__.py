@@ -3,7 +3,7 @@
 Knows nothing of membranes or of continuation.
 """
 
-from pearlbvp.collocation.discretization import Discretization
+from pearlbvp.collocation.discretization import Collocated, Discretization
 from pearlbvp.collocation.mesh import equidistribute, error_estimate, intervals_for
 from pearlbvp.collocation.polynomial import PiecewisePolynomial
 from pearlbvp.collocation.problem import BoundaryValueProblem
@@ -13,6 +13,7 @@ from pearlbvp.collocation.solve import BoundaryValueSolution, solve_bvp
 __all__ = [
     "BoundaryValueProblem",
     "BoundaryValueSolution",
+    "Collocated",
     "Discretization",
     "PiecewisePolynomial",
     "Scheme",

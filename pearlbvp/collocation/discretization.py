@@ -206,3 +206,25 @@ class Discretization:
         k = len(self.free)
         moved = [np.concatenate((self.polynomial(u)(points).ravel(), u[u.size - k :])) for u in unknowns]
         return other, moved
+
+
+class Collocated:
+    """What problems have in common whose unknowns are those of a discretization.
+
+    Attributes:
+        discretization: their collocation.
+    """
+
+    discretization: Discretization
+
+    def residual(self, u: Array) -> Array:
+        """Defects, boundary conditions and integral conditions at ``u``; see ``Discretization.residual``."""
+        return self.discretization.residual(u)
+
+    def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
+        """Bordered solve of the residual's Jacobian at ``u``; see ``Discretization.solve``."""
+        return self.discretization.solve(u, rhs, row)
+
+    def inner(self, u: Array, v: Array) -> float:
+        """Mean of ``y_u . y_v`` plus the product of the free parameters: the same on every mesh."""
+        return self.discretization.inner(u, v)

@@ -69,7 +69,7 @@ def amplitude(
     check_distinct({"--compare": start, "--out": out, "--plot": plot, "--branch": branch})
     idle = [name for name, value in (("--family", family), ("--largest", largest), ("--compare", compare)) if value]
     if idle and branch is None and plot is None:
-        raise InputError(f"{idle[0]}: it shapes the predicted branch only; give --branch or --plot, too")
+        raise InputError(idle[0], "it shapes the predicted branch only", "give --branch or --plot, too")
     tube = units.tube(c0, length)
     largest = None if largest is None else units.from_user("wave", largest)
     table = coefficients(tube.c0, tube.length, modes)

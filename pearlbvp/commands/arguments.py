@@ -89,7 +89,7 @@ class File(click.ParamType):  # type: ignore[type-arg]
         """Take the text; whether there is such a file is seen where it is used."""
         if isinstance(value, str) and value.endswith(tuple(filter(None, (os.sep, os.altsep)))):
             named = param.metavar.partition(".")[0] if isinstance(param, click.Argument) and param.metavar else None
-            raise InputError(f"{named or _option(param)}: {value} is a folder's name; give a file's name")
+            raise InputError(named or _option(param), f"{value} is a folder's name", "give a file's name")
         return Path(value)
 
 
@@ -111,7 +111,7 @@ class FamilyName(click.ParamType):  # type: ignore[type-arg]
         from pearlbvp.studies.families import names
 
         if value not in names():
-            raise InputError(f"FAMILY: {value!r} is none; choose one of {', '.join(names())}")
+            raise InputError("FAMILY", f"{value!r} is none", f"choose one of {', '.join(names())}")
         return str(value)
 
 
@@ -128,7 +128,7 @@ class Nodes(click.ParamType):  # type: ignore[type-arg]
             from pearlbvp.mesh.families import MOST_NODES
 
             raise InputError(
-                f"--nodes: {value!r} is not a number of vertices; give a whole one up to {MOST_NODES}"
+                "--nodes", f"{value!r} is not a number of vertices", f"give a whole one up to {MOST_NODES}"
             ) from None
 
 
@@ -141,11 +141,8 @@ def check_meshable(length: float) -> None:
     from pearlbvp.mesh.families import MOST_NODES, fewest
 
     if (needed := fewest(length)) > MOST_NODES:
-        text = (
-            f"--length: {{L:g}} {{L_unit}} are too long for a mesh, which would need {needed} nodes, of which {MOST_NODES} fit "
-            "in memory; give a shorter tube"
-        )
-        raise InputError(Sentence(text, L=length))
+        text = f"{{L:g}} {{L_unit}} are too long for a mesh: it would need {needed} nodes, of which {MOST_NODES} fit in memory"
+        raise InputError("--length", Sentence(text, L=length), "give a shorter tube")
 
 
 class Until(Quantity):
@@ -172,7 +169,7 @@ class Until(Quantity):
         kind, count = (kind, int(last)) if kind and last.isdigit() else (name.strip(), 1)
         if kind.partition(":")[0] not in ("bp", "cmc", "fold"):
             raise InputError(
-                f"--until: {value!r} must be NAME=VALUE, like v=1.1, or a special point, like bp, bp:2, fold:v or cmc"
+                "--until", f"{value!r} must be NAME=VALUE, like v=1.1, or a special point, like bp, bp:2, fold:v or cmc"
             )
         return kind, count
 
@@ -186,7 +183,7 @@ def wanted_places(until: Sequence[tuple[str, float]], units: Units) -> dict[str,
     names = [name for name, _ in until]
     for name in names:
         if names.count(name) > 1:
-            raise InputError(f"--until: {name} is given twice; give it once")
+            raise InputError("--until", f"{name} is given twice", "give it once")
     return {name: units.named_from_user(name, value) for name, value in until}
 
 
@@ -199,7 +196,7 @@ class SpecialKind(click.ParamType):  # type: ignore[type-arg]
         """Split and parse the text."""
         kind, _, number = str(value).rpartition(":")
         if not (kind == "bp" or kind.startswith("fold:")) or not number.isdigit():
-            raise InputError(f"KIND:K: {value!r} must be bp:K or fold:NAME:K, like fold:v:1")
+            raise InputError("KIND:K", f"{value!r} must be bp:K or fold:NAME:K, like fold:v:1")
         return kind, int(number)
 
 
@@ -212,5 +209,5 @@ class ModeNumbers(click.ParamType):  # type: ignore[type-arg]
         """Split and parse the text."""
         m, comma, n = str(value).partition(",")
         if not (comma and m.strip().isdigit() and n.strip().isdigit()):
-            raise InputError(f"--mode: {value!r} must be two whole numbers m,n, like 1,0")
+            raise InputError("--mode", f"{value!r} must be two whole numbers m,n, like 1,0")
         return int(m), int(n)

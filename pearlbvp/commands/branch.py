@@ -119,7 +119,7 @@ def branch(
     """
     asked = Following(**how).checked()
     if shape is not None and family != "pearl":
-        raise InputError(f"--shape: it is for pearls only; leave it out with {family}")
+        raise InputError("--shape", "it is for pearls only", f"leave it out with {family}")
     tube = asked.units.tube(c0, length)
     fix = "area,pressure" if pressure else asked.units.fix(fix, tube.length * cells)
     if shape is not None:

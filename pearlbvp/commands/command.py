@@ -55,10 +55,10 @@ def check_options(context: click.Context) -> None:
             continue
         other = next((name for name in param.excludes if name in on_line), None)
         if other is not None:
-            raise InputError(f"{param.opts[0]}: it does not go with {typed[other]}; leave one of the two out")
+            raise InputError(param.opts[0], f"it does not go with {typed[other]}", "leave one of the two out")
         if param.needs and not on_line & set(param.needs):
             words = " or ".join(typed[name] for name in param.needs)
-            raise InputError(f"{param.opts[0]}: it goes with {words}; give that too, or leave it out")
+            raise InputError(param.opts[0], f"it goes with {words}", "give that too, or leave it out")
 
 
 class Command(click.Command):
@@ -73,7 +73,7 @@ class Command(click.Command):
         _, _, order = self.make_parser(ctx).parse_args(args=list(args))
         for param in order:
             if isinstance(param, click.Option) and not (param.multiple or param.is_flag) and order.count(param) > 1:
-                raise InputError(f"{param.opts[0]}: it is given twice; give it once")
+                raise InputError(param.opts[0], "it is given twice", "give it once")
         return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -87,39 +87,53 @@ class Command(click.Command):
             enter_units(ctx)
             return super().invoke(ctx)
         except InputError as error:
-            raise InputError(as_typed(_units(ctx).said(error.args[0]), self.params)) from None
+            raise of_this_command(error) from None
 
 
-def as_typed(message: str, params: Sequence[click.Parameter]) -> str:
-    """A message with the names of arguments as options.
-
-    They are the first word before a colon, and elsewhere names with a ``_``, those that are to be given (``give radius=2``)
-    and those in brackets (``(keep=v)``, ``(nodes)``).
-
-    Args:
-        message: ``name: what; remedy``.
-        params: of the command.
-    """
-    options = {param.name: param.opts[0] for param in params if isinstance(param, click.Option) and param.name}
-    options |= {typed.lstrip("-"): typed for typed in options.values()}
+def option_of(argument: str, params: Sequence[click.Parameter]) -> str:
+    """The option of a command that an argument of Python comes from, if any; the argument's first word is its name."""
+    options = _options(params)
 
     def typed(name: str) -> str:
         if name in options:
             return options[name]
         return next((option for option in ALSO.get(name, ()) if option in options.values()), name)
 
-    subject, colon, rest = message.partition(":")
-    if colon:
-        message = re.sub(r"^\w+", lambda word: typed(word[0]), subject) + colon + rest
+    return re.sub(r"^\w+", lambda word: typed(word[0]), argument)
+
+
+def as_typed(message: str, params: Sequence[click.Parameter]) -> str:
+    """Words with the names of arguments as options.
+
+    They are names with a ``_``, those that are to be given (``give radius=2``) and those in brackets (``(keep=v)``,
+    ``(nodes)``).
+
+    Args:
+        message: of what is wrong, or what to do.
+        params: of the command.
+    """
+    options = _options(params)
     message = re.sub(r"(?<![\w-])[a-z]+_[a-z_]+\b", lambda word: options.get(word[0], word[0]), message)
     given = r"(?:(?<=\()|(?<=give ))([a-z]+)(=|(?=\)))"
     return re.sub(given, lambda word: options[word[1]] + " " * len(word[2]) if word[1] in options else word[0], message)
 
 
-def of_this_command(message: str) -> str:
-    """The same, of the command that runs, in its user's unit."""
+def _options(params: Sequence[click.Parameter]) -> dict[str, str]:
+    """Options by their arguments' names in Python, and by their own."""
+    options = {param.name: param.opts[0] for param in params if isinstance(param, click.Option) and param.name}
+    return options | {typed.lstrip("-"): typed for typed in options.values()}
+
+
+def words_of_this_command(message: str) -> str:
+    """A message in the words of the command that runs, and its user's unit."""
     context = click.get_current_context()
     return as_typed(_units(context).said(message), context.command.params)
+
+
+def of_this_command(error: InputError) -> InputError:
+    """What is wrong with an argument, of the option that it came from, in the words of the command that runs."""
+    named = error.named(option_of(error.argument, click.get_current_context().command.params))
+    return named.worded(words_of_this_command)
 
 
 def _units(context: click.Context) -> Units:

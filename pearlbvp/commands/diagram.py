@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import File, ModeNumbers, Number, Until, wanted_places
-from pearlbvp.commands.command import Command, Option, of_this_command
+from pearlbvp.commands.command import Command, Option, words_of_this_command
 from pearlbvp.commands.following import fix_option
 from pearlbvp.commands.output import SOME_FAILED, check_distinct, check_outputs, outputs, radius_option, write
 from pearlbvp.errors import InputError
@@ -92,7 +92,7 @@ def diagram(
     for file in files:
         check_distinct({"FILE": Path(os.path.realpath(file)), "--out": out, "--plot": plot})
     if not files and (c0 is None or length is None):
-        raise InputError("FILE, --c0, --length: give saved branches, or c0 and length of a tube")
+        raise InputError("FILE, --c0, --length", "give saved branches, or c0 and length of a tube")
     x, y = ("c0" if name == "C0" else name for name in (x, y))  # as it is headed in physical units
     _check_columns(x, y)
     from pearlbvp.studies.diagram import together, tubes_apart
@@ -104,7 +104,7 @@ def diagram(
     table = units.columns(together(branches))
     for option, name in (("--x", x), ("--y", y)):
         if name not in table:
-            raise InputError(f"{option}: no branch here has {name}; choose another column")
+            raise InputError(option, f"no branch here has {name}", "choose another column")
 
     def draw() -> Figure:
         from pearlbvp.figures.diagram import draw_plane
@@ -128,7 +128,7 @@ def _check_columns(*names: str) -> None:
     numbers = [name for name in (*COLUMNS, *FURTHER) if name not in ("point", "special", "critical")]
     for option, name in zip(("--x", "--y"), names, strict=True):
         if name not in numbers:
-            raise InputError(f"{option}: {name!r} is no column with numbers; choose one of {', '.join(numbers)}")
+            raise InputError(option, f"{name!r} is no column with numbers", f"choose one of {', '.join(numbers)}")
 
 
 def _saved(files: tuple[Path, ...]) -> dict[str, Branch[Any]]:
@@ -148,7 +148,7 @@ def names_of(files: tuple[Path, ...]) -> list[str]:
     names = [file.stem if stems.count(file.stem) == 1 else str(file) for file in files]
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
-        raise InputError(f"FILE: {twice} is given twice; give it once")
+        raise InputError("FILE", f"{twice} is given twice", "give it once")
     return names
 
 
@@ -185,10 +185,10 @@ def _computed(
             fix=units.fix(fix, tube.length),
         )  # fmt: skip
     for name, why in found.skipped.items():
-        say(f"{name} was not followed: {of_this_command(why)}")
+        say(f"{name} was not followed: {words_of_this_command(why)}")
     for name, branch in found.branches.items():
         if branch.failed:
-            say(f"{name} ends: {of_this_command(branch.reason)}")
+            say(f"{name} ends: {words_of_this_command(branch.reason)}")
     if not found.branches:
-        raise InputError("--mode: no branch could be followed; choose other modes, or another length")
+        raise InputError("--mode", "no branch could be followed", "choose other modes, or another length")
     return found.branches

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import FamilyName, File, ModeNumbers, Number
-from pearlbvp.commands.command import Command, of_this_command, options_given
+from pearlbvp.commands.command import Command, options_given, words_of_this_command
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -187,7 +187,7 @@ def flow(
             settings["until"] = _rate(units, "t", until, "until")
             if settings["until"] <= state.t * (1 + NEXT):
                 now = units.text("t", state.t)
-                raise InputError(f"--time: the saved flow is at t = {now} already; give a later time")
+                raise InputError("--time", f"the saved flow is at t = {now} already", "give a later time")
         result = resumed(state, FlowOptions(**settings))
     table = result.state.columns(units)
     end = cache(lambda: _end(result, save_end, units))  # which takes a while: after the table is written
@@ -211,7 +211,7 @@ def flow(
         others.append(lambda: write_whole("--movie", movie, write_frames))
     write(table, out, plot, draw, others)
     advice = f"; {result.advice}" if result.advice else ""
-    say(f"{result.status}: {of_this_command(units.said(result.reason) + advice)}")
+    say(f"{result.status}: {words_of_this_command(units.said(result.reason) + advice)}")
     branch, words = end()
     if words:
         say(words)
@@ -276,7 +276,7 @@ def _refuse_idle(given: set[str], start: dict[str, Any], on_mesh: bool) -> None:
     ):
         found = sorted(given & idle) if condition else []
         if found:
-            raise InputError(f"--{found[0].replace('source', 'from')}: {why}")
+            raise InputError(f"--{found[0].replace('source', 'from')}", why)
 
 
 def _in_radii(given: set[str], start: dict[str, Any], units: Units) -> None:
@@ -298,11 +298,11 @@ def _end(result: Any, save_end: Path | None, units: Units) -> tuple[Any, str]:
     try:
         branch = end_branch(result)
     except InputError as error:  # an end that is no point of a branch: the flow's own word stands
-        why = units.said(error.args[0])
+        why = error.worded(units.said)
         if save_end is not None:
-            return None, why.replace("flow:", "--save-end:", 1)
+            return None, str(why.named("--save-end"))
         rests = result.equilibrium is not None and result.equilibrium.converged
-        return None, why.removeprefix("flow: ") if rests else ""
+        return None, f"{why.what}; {why.remedy}" if rests else ""
     spectrum = branch.points[0].spectrum
     counted = f"n_unstable = {spectrum.n_unstable}"
     if result.state.problem.law != "diffusion":  # whose equilibria are stable alike, but at other rates
@@ -326,7 +326,9 @@ def _start(
 
     if profile is not None or mesh is not None:
         if c0 is None or length is None:
-            raise InputError(f"--{'mesh' if profile is None else 'profile'}: it goes with --c0 and --length; give both")
+            raise InputError(
+                f"--{'mesh' if profile is None else 'profile'}", "it goes with --c0 and --length", "give both"
+            )
         if profile is None:
             return _of_a_file(mesh, units, c0, length, discretization, law, pressure)  # type: ignore[arg-type]
         from pearlbvp.studies.profiles import read_profile  # with scipy.interpolate, which only profiles need
@@ -337,17 +339,18 @@ def _start(
         return profile_start(c0, length, rows.x, rows.r, points=points, law=law, pressure=pressure)
     if branch is None:
         if c0 is None or length is None:
-            raise InputError("--c0, --length: give both, or a saved branch with --from")
+            raise InputError("--c0, --length", "give both, or a saved branch with --from")
         name, equals, value = point.partition("=")
         if not equals and point.lstrip("+-").isdigit():
             raise InputError(
-                "--point: without --from, give NAME=VALUE, like v=1.02, for how far the branch is followed"
+                "--point", "without --from, give NAME=VALUE, like v=1.02, for how far the branch is followed"
             )
         stop = dict([(name, finite("point", value)) if equals else sample(family, c0, length, point)])  # type: ignore[arg-type]
         if stop.get("v") == 1:
             raise InputError(
-                "--point: v=1 is the straight tube, where the branch begins; give a value on the branch, or save it with "
-                "pearlbvp branch --save for --from and --point 0"
+                "--point",
+                "v=1 is the straight tube, where the branch begins",
+                "give a value on the branch, or save it with pearlbvp branch --save for --from and --point 0",
             )
         try:
             options = branch_options(stop)
@@ -356,9 +359,9 @@ def _start(
         branch = family_branch(Tube(c0, length), family, mode, options)
         if not branch.complete:
             (wanted, number), *_ = stop.items()
-            place = Sentence(f"--point: {wanted} = {{{wanted}:.9g}} is not reached (", **{wanted: number})
-            advice = "); follow the branch with pearlbvp branch --save, and give that with --from"
-            raise InputError(Sentence.joined(place, branch.reason, advice))
+            place = Sentence(f"{wanted} = {{{wanted}:.9g}} is not reached (", **{wanted: number})
+            advice = "follow the branch with pearlbvp branch --save, and give that with --from"
+            raise InputError("--point", Sentence.joined(place, branch.reason, ")"), advice)
         point = "-1"
     at = chosen(branch, point, family)
     if nodes is None:

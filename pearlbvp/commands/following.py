@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import File, Number, Until, wanted_places
-from pearlbvp.commands.command import Option, of_this_command
+from pearlbvp.commands.command import Option, words_of_this_command
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -147,7 +147,7 @@ class Following:
 
         write(table, self.out, self.plot, draw, saves)
         if not found.complete:
-            say(f"the branch ends: {of_this_command(found.reason)}{other_way if found.astray else ''}")
+            say(f"the branch ends: {words_of_this_command(found.reason)}{other_way if found.astray else ''}")
         if found.status is Status.INTERRUPTED:
             return INTERRUPTED
         return SOME_FAILED if found.failed or (wanted and not found.complete) else DONE
@@ -163,7 +163,7 @@ class Following:
         point = branch.points[-1]
         if "L" not in point.problem.constant and self.units.fix(fix, 1.0) != self.units.fix(fix, 2.0):
             raise InputError(
-                "fix: L varies along the branch, and so does the solute at a concentration; give osmotic=N"
+                "fix", "L varies along the branch, and so does the solute at a concentration", "give osmotic=N"
             )
         return self.units.fix(fix, point.observables["L"])
 

@@ -95,7 +95,7 @@ def mesh(
             held = None if fix is None else units.fix(fix, at.observables["L"])
             own = sorted(given & {"nodes", "discretization"})
             if own and at.problem.own_mesh(at.u) is not None:
-                raise InputError(f"--{own[0]}: the branch is on a mesh, which is taken as it is; leave it out")
+                raise InputError(f"--{own[0]}", "the branch is on a mesh, which is taken as it is", "leave it out")
             surface, table = _of_a_point(at, nodes, discretization, solve, held, bar)
             title = f"v = {at.observables['v']:.4f}, L = {units.text('L', at.observables['L'])}"
         bar.update()
@@ -129,14 +129,16 @@ def _refuse_idle(given: set[str]) -> None:
     """
     if "source" in given:
         for name in sorted(given & {"c0", "length"}):
-            raise InputError(f"--{name}: a saved branch has its own; leave it out with --from")
+            raise InputError(f"--{name}", "a saved branch has its own", "leave it out with --from")
         return
     if "length" not in given:
-        raise InputError("--length, --from: neither is given; give the length of a straight tube, or a saved branch")
+        raise InputError(
+            "--length, --from", "neither is given", "give the length of a straight tube, or a saved branch"
+        )
     if "point" in given:
-        raise InputError("--point: it is one of a saved branch; give that with --from")
+        raise InputError("--point", "it is one of a saved branch", "give that with --from")
     if "solve" in given:
-        raise InputError("--solve: the straight tube is an equilibrium at any pressure; give a shape with --from")
+        raise InputError("--solve", "the straight tube is an equilibrium at any pressure", "give a shape with --from")
 
 
 def _of_a_point(at: Any, nodes: int, kind: Any, solve: bool, fix: str | None, bar: Any) -> tuple[Any, pd.DataFrame]:

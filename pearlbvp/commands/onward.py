@@ -14,7 +14,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.messages import say
 
 file_argument = click.argument("file", type=File(), metavar="FILE.h5")
-down_option = click.option("--down", is_flag=True, help="Begin towards smaller values.")
+down_option = click.option("--down", is_flag=True, help="Begin towards smaller values.  [default: towards --until]")
 name_argument = click.argument("name", type=click.Choice(["c0", "L"]))
 
 
@@ -34,7 +34,7 @@ def resume(file: Path, fix: str | None, **how: Any) -> int:
     """
     if fix is not None:
         raise InputError(
-            "fix: a branch is judged by one thing throughout; give it to branch, or go on by switch or vary"
+            "fix", "a branch is judged by one thing throughout", "give it to branch, or go on by switch or vary"
         )
     from pearlbvp.studies import onward
 
@@ -110,7 +110,7 @@ def vary(file: Path, name: str, point: int, keep: str, down: bool, fix: str | No
     branch = asked.load()
     fix = asked.fixed(branch, fix)
     return asked.run(
-        lambda options: varied(branch, point, name, options, keep=keep, upwards=not down, fix=fix),
+        lambda options: varied(branch, point, name, options, keep=keep, upwards=False if down else None, fix=fix),
         "; leave --down out" if down else "; give --down",
     )
 
@@ -136,6 +136,6 @@ def follow(file: Path, which: tuple[str, int], name: str, down: bool, fix: str |
     branch = asked.load()
     fix = asked.fixed(branch, fix)
     return asked.run(
-        lambda options: followed(branch, *which, name, options, upwards=not down, fix=fix),
+        lambda options: followed(branch, *which, name, options, upwards=False if down else None, fix=fix),
         "; leave --down out" if down else "; give --down",
     )

@@ -79,7 +79,7 @@ def write_frame(option: str, path: Path, table: pd.DataFrame) -> None:
     try:
         write_whole(option, path, lambda beside: headed(table).to_parquet(beside, index=False))
     except ImportError:
-        raise InputError(f"{option}: Parquet needs pyarrow; install pearlbvp[parquet], or write .csv") from None
+        raise InputError(option, "Parquet needs pyarrow", "install pearlbvp[parquet], or write .csv") from None
 
 
 def print_table(table: pd.DataFrame) -> None:
@@ -91,7 +91,7 @@ def print_table(table: pd.DataFrame) -> None:
         raise
     except OSError as error:
         drop(sys.stdout)
-        raise InputError(why_not_written(error)) from None
+        raise why_not_written(error) from None
 
 
 def check_outputs(out: Path | None, plot: Path | None) -> tuple[Path | None, Path | None]:
@@ -117,7 +117,7 @@ def check_ending(option: str, path: Path | None, endings: Sequence[str]) -> None
     if path is None or path.suffix.lower() in endings or str(path) == "-" or (not path.suffix and _is_device(path)):
         return
     found = f"the ending {path.suffix}" if path.suffix else "no ending that names its format"
-    raise InputError(f"{option}: {path.name} has {found}; give one of {', '.join(endings)}")
+    raise InputError(option, f"{path.name} has {found}", f"give one of {', '.join(endings)}")
 
 
 def check_distinct(paths: Mapping[str, Path | None]) -> None:
@@ -131,7 +131,7 @@ def check_distinct(paths: Mapping[str, Path | None]) -> None:
         if path is None or _is_device(path):
             continue
         if path in known:
-            raise InputError(f"{option}: {path} is the file of {known[path]} already; give it another name")
+            raise InputError(option, f"{path} is the file of {known[path]} already", "give it another name")
         known[path] = option
 
 
@@ -191,16 +191,17 @@ def _all_of(writers: Sequence[Callable[[], object]]) -> None:
     Raises:
         InputError: what failed.
     """
-    failures: list[str] = []
+    failures: list[InputError] = []
     broken: BrokenPipeError | None = None
     for write in writers:
         try:
             write()
         except InputError as error:
-            failures.append(of_this_command(str(error)))
+            failures.append(of_this_command(error))
         except BrokenPipeError as error:
             broken = error
     if failures:
-        raise InputError("; ".join(failures))
+        first, *others = failures
+        raise InputError(first.argument, first.what, "; ".join(filter(None, (first.remedy, *map(str, others)))))
     if broken is not None:
         raise broken

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from pearlbvp.commands.arguments import File, ModeNumbers, Number, Numbers
-from pearlbvp.commands.command import Command, Option, of_this_command
+from pearlbvp.commands.command import Command, Option, words_of_this_command
 from pearlbvp.commands.output import check_distinct, check_outputs, outputs, radius_option, write, write_table
 from pearlbvp.errors import InputError
 from pearlbvp.messages import counted, say
@@ -99,7 +99,7 @@ def phases(
     out, plot = check_outputs(out, plot)
     transitions = None if transitions is None else writable("--transitions", transitions)
     if plot is not None and len(set(volumes)) < 2:
-        raise InputError("--plot: one volume makes no picture; give several, like 0.9:1.1:0.01")
+        raise InputError("--plot", "one volume makes no picture", "give several, like 0.9:1.1:0.01")
     check_distinct({"--out": out, "--plot": plot, "--transitions": transitions})
     found = _found(c0, length, volumes, depth, modes, unstable, flows, (starts, seed), processes, units)
 
@@ -137,9 +137,9 @@ def _tell(found: Phases, units: Units) -> None:
     for why in dict.fromkeys(found.skipped.values()):
         names = [name for name in found.skipped if found.skipped[name] == why]
         more = f" and {len(names) - MOST_NAMED} more" * (len(names) > MOST_NAMED)
-        say(f"not followed: {', '.join(names[:MOST_NAMED])}{more}: {of_this_command(why)}")
+        say(f"not followed: {', '.join(names[:MOST_NAMED])}{more}: {words_of_this_command(why)}")
     for name, why in found.unfinished.items():
-        say(f"{name} ends: {of_this_command(why)}")
+        say(f"{name} ends: {words_of_this_command(why)}")
     for low, high, name in found.ranges.itertuples(index=False):
         say(f"v = {low:.8g} to {high:.8g}: {f'the least is {name}' if name else 'no stable shape was found'}")
     for name, where in found.origins.items():

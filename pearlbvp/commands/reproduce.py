@@ -43,10 +43,10 @@ def reproduce(figure: str | None, listed: bool, out: Path | None, endings: tuple
         return DONE
     if figure is None or out is None:
         missing = "figure" if figure is None else "out"
-        raise InputError(f"{missing}: it is missing; give FIGURE --out DIR, or --list to see which figures there are")
+        raise InputError(missing, "it is missing", "give FIGURE --out DIR, or --list to see which figures there are")
     wanted = names(figure)
     if point is not None and len(wanted) > 1:
-        raise InputError("point: it is a sample of one figure; give that instead of all")
+        raise InputError("point", "it is a sample of one figure", "give that instead of all")
     folder = _folder(out)
     from pearlbvp.progress import progress
 
@@ -78,7 +78,9 @@ def _folder(out: Path) -> Path:
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"out: {out} is no folder and cannot be made one ({error.strerror}); give another") from None
+        raise InputError(
+            "out", f"{out} is no folder and cannot be made one ({error.strerror})", "give another"
+        ) from None
     return out
 
 

@@ -10,7 +10,7 @@ import click
 from click.core import ParameterSource
 
 from pearlbvp.commands.arguments import File, Number, Numbers, Written
-from pearlbvp.commands.command import Command, as_typed
+from pearlbvp.commands.command import Command, of_this_command
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -112,7 +112,7 @@ class Scan(click.Group):
             enter_units(ctx)
             return super().invoke(ctx)
         except InputError as error:
-            raise InputError(as_typed(str(error), self.params)) from None
+            raise of_this_command(error) from None
 
 
 def look(
@@ -140,11 +140,11 @@ def look(
             if context.get_parameter_source(str(param.name)) is ParameterSource.COMMANDLINE:
                 name = context.invoked_subcommand
                 raise InputError(
-                    f"{param.opts[0]}: it stands before {name}, which would not see it; give it behind {name}"
+                    param.opts[0], f"it stands before {name}, which would not see it", f"give it behind {name}"
                 )
         return None
     if store is None:
-        raise InputError("--store: give the file of a scan, or a question to ask; see --help")
+        raise InputError("--store", "give the file of a scan, or a question to ask", "see --help")
     from pearlbvp.scans.store import Store
 
     checked(export, plot)
@@ -156,7 +156,7 @@ def look(
         asked, *others = _questions(kept, question)
         if others:
             names = ", ".join(one.name for one in (asked, *others))
-            raise InputError(f"--question: the store holds {names}; say which")
+            raise InputError("--question", f"the store holds {names}", "say which")
         units = _of_question(asked, units, viscosity)
         chosen = _chosen(asked, columns)
         result = DONE
@@ -180,7 +180,7 @@ def _of_question(question: Question, units: Units, viscosity: str | None) -> Uni
     if question.fluids:
         return in_fluids(units, viscosity)
     if viscosity is not None:
-        raise InputError(f"--viscosity: {question.name} has no rates of motions in fluids; leave it out")
+        raise InputError("--viscosity", f"{question.name} has no rates of motions in fluids", "leave it out")
     return units
 
 
@@ -192,7 +192,7 @@ def _chosen(question: Question, columns: str | None) -> list[str]:
     for name in names:
         if name not in question.columns or names.count(name) > 1:
             why = f"{name} is there twice" if name in question.columns else f"{question.name} has no column {name!r}"
-            raise InputError(f"--columns: {why}; choose of {', '.join(question.columns)}")
+            raise InputError("--columns", why, f"choose of {', '.join(question.columns)}")
     return names
 
 
@@ -202,9 +202,9 @@ def _questions(store: Store, name: str | None) -> list[Question]:
 
     names = store.questions()
     if not names:
-        raise InputError(f"--store: {store.path} holds no cases yet")
+        raise InputError("--store", f"{store.path} holds no cases yet")
     if name is not None and name not in names:
-        raise InputError(f"--question: the store holds no {name}, but {', '.join(names)}")
+        raise InputError("--question", f"the store holds no {name}, but {', '.join(names)}")
     return [question_named(one) for one in ([name] if name else names)]
 
 

@@ -118,8 +118,9 @@ def show(
         )
         if shape is not None:
             raise InputError(
-                f"--{shape}: {file} is a saved flow, which has none; write its end with pearlbvp flow --resume {file} "
-                "--save-end E.h5, and show that"
+                f"--{shape}",
+                f"{file} is a saved flow, which has none",
+                f"write its end with pearlbvp flow --resume {file} --save-end E.h5, and show that",
             )
         return _flow(file, out, plot, units)
     return _branch(file, point or "-1", profile, surface, samples, nodes, out, plot, units)
@@ -198,8 +199,7 @@ def _flow(file: Path, out: Path | None, plot: Path | None, units: Units) -> int:
         return draw_flow(state, table, units=units)
 
     write(table, out, plot, draw)
-    model = getattr(state.problem, "reference", state.problem)  # of a flow on a mesh, that knows the model
-    tube = units.tube_text(Tube(model.c0, model.length), ".8g")
+    tube = units.tube_text(Tube(state.problem.c0, state.problem.length), ".8g")
     say(
         f"a flow, saved at t = {units.text('t', state.t, '.8g')}: {len(table)} steps, {tube}\n"
         f"  it goes on with pearlbvp flow --resume {file}, which can save its end (--save-end)",

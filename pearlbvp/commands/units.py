@@ -47,7 +47,7 @@ def _units(given: dict[str, str], saved: Units) -> Units:
     """Units by the options that are given, and by those of the saved file where they are not."""
     if not given.keys() & {"radius", "kappa"} and not saved.given:
         for name in given:
-            raise InputError(f"--{name}: it says what kappa is, and there is none; give --radius and --kappa, too")
+            raise InputError(f"--{name}", "it says what kappa is, and there is none", "give --radius and --kappa, too")
         return RADII
     if not given:
         return saved
@@ -68,6 +68,6 @@ def _saved(params: dict[str, Any], any_of: bool) -> Units:
         for path in paths:
             own = Units.of_file(path, typed)
             if own.given and found.given and own != found and not any_of:
-                raise InputError(f"{typed}: {path} is saved in other units than the one before; give --radius for all")
+                raise InputError(typed, f"{path} is saved in other units than the one before", "give --radius for all")
             found = own if own.given else found
     return found

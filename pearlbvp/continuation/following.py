@@ -245,7 +245,7 @@ def _refuse_unknown(start: Solution[Any], options: BranchOptions) -> None:
     for name in (*options.until, *options.watched):
         if name in start.observables or name == "mu_crit" or (name in options.until and name in start.further):
             continue
-        raise InputError(f"until: a {start.problem.family} has no {name}; stop at something else")
+        raise InputError("until", f"a {start.problem.family} has no {name}", "stop at something else")
 
 
 def _refuse_constant(start: Solution[Any], options: BranchOptions) -> None:
@@ -258,7 +258,7 @@ def _refuse_constant(start: Solution[Any], options: BranchOptions) -> None:
         own = start.observables[name]
         wanted = options.until.get(name, own)
         if abs(wanted - own) > SAME_VALUE * (1 + abs(wanted)) or f"fold:{name}" in options.until_special:
-            raise InputError(f"until: {name} stays as it is on this branch; {instead}")
+            raise InputError("until", f"{name} stays as it is on this branch", instead)
 
 
 def _left_behind(points: Sequence[Solution[Any]], until: Mapping[str, float]) -> list[str]:

@@ -164,7 +164,7 @@ class Problem(ABC):
         Raises:
             InputError: the problem has no parameters that could be freed.
         """
-        raise InputError(f"vary: {' and '.join(free)} cannot vary on this branch; follow another from another tube")
+        raise InputError("vary", f"{' and '.join(free)} cannot vary on this branch", "follow another from another tube")
 
     def with_second(self, name: str, u: Array, tangent: Array) -> tuple[Self, list[Array], int]:
         """The problem with one more parameter free, a solution and a tangent of it moved there, and that one's place."""
@@ -188,7 +188,7 @@ class Problem(ABC):
         Raises:
             InputError: such problems are not saved.
         """
-        raise InputError("save: a curve of special points cannot be saved; write its table")
+        raise InputError("save", "a curve of special points cannot be saved", "write its table")
 
     @classmethod
     def from_tree(cls, tree: Mapping[str, Any]) -> Self:

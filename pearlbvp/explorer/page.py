@@ -72,7 +72,7 @@ def explorer(
     x = x or ("v" if any(each["kind"] == "branch" for each in series) else "t")
     for option, column in (("x", x), ("y", y)):
         if not any(column in each["labels"] for each in series):
-            raise InputError(f"{option}: no branch here has a column {column!r} of numbers; choose another column")
+            raise InputError(option, f"no branch here has a column {column!r} of numbers", "choose another column")
     title = title or ", ".join(shown)
     data = {"x": x, "y": y, "note": units.note(), "radius": units.to_user("x", 1.0), "unit": units.unit("x"),
             "curvature": units.unit("H"),

@@ -130,8 +130,8 @@ def _sizes(count: int, per_lobe: Array, parity: str) -> Array:
 @critical.register
 def _of_modes(problem: TubeProblem, u: Array, spectrum: Spectrum, shared: Shared) -> Wave:
     """A sum of modes, which displace points in the planes across the axis; their normal part counts."""
-    modes, second, mass, rows = problem.block_problem(u, spectrum.critical)
-    rate, vector = _leading(second, rows, mass)
+    modes, block = problem.block_problem(u, spectrum.critical)
+    rate, vector = _leading(block.second, block.rows, block.mass)
     return Wave(rate, {"modes": shared.number(mode_numbers(modes)), "values": packed(vector[: len(modes)])})
 
 

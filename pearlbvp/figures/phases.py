@@ -48,7 +48,7 @@ def draw_phases(found: Phases, units: Units = RADII) -> Figure:
         InputError: it has one volume only.
     """
     if found.ranges.empty:
-        raise InputError("plot: one volume makes no picture; give several, like 0.9:1.1:0.01")
+        raise InputError("plot", "one volume makes no picture", "give several, like 0.9:1.1:0.01")
     figure, (above, strip) = new_figure(
         2, 1, width=WIDTH, height=HEIGHT, sharex=True, gridspec_kw={"height_ratios": [12, 1]}
     )

@@ -18,7 +18,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -62,9 +62,9 @@ class FlowOptions:
     def __post_init__(self) -> None:
         for name in ("until", "velocity", "rtol", "atol", "max_steps", "max_seconds", "resolution", "every"):
             if getattr(self, name) is not None and not getattr(self, name) > 0:
-                raise InputError(f"{name}: {getattr(self, name)!r} must be positive; give a number above 0")
+                raise InputError(name, f"{getattr(self, name)!r} must be positive", "give a number above 0")
         if not 1 <= self.max_order <= 5:
-            raise InputError(f"max_order: {self.max_order} is not between 1 and 5; the formulas have no others")
+            raise InputError("max_order", f"{self.max_order} is not between 1 and 5", "the formulas have no others")
 
 
 PARALLEL = 1e-14
@@ -117,15 +117,17 @@ def start(problem: FlowProblem, q: Array) -> FlowState:
     q = np.asarray(q, dtype=float)
     if not np.isfinite(q).all() or not np.isfinite(problem.constraints(q)).all():
         raise InputError(
-            "q: the shape is not finite, or has a radius of 0 or below; start from another, or perturb it less"
+            "q", "the shape is not finite, or has a radius of 0 or below", "start from another, or perturb it less"
         )
     trouble = problem.trouble(q)
     if trouble is not None:
-        raise InputError(Sentence.joined("q: ", trouble.place, "; start from a smoother shape"))
+        raise InputError("q", trouble.place, "start from a smoother shape")
     rate, multipliers, parallel = first_rates(problem, q)
     if parallel and np.abs(problem.velocity(q, rate)).max() < 1e-9:
         raise InputError(
-            "q: the shape is the straight tube, where area and volume have parallel gradients and nothing moves; perturb it"
+            "q",
+            "the shape is the straight tube, where area and volume have parallel gradients and nothing moves",
+            "perturb it",
         )
     found = problem.observables(q, multipliers)
     record = Record((found["area"], found["volume"]))
@@ -283,7 +285,7 @@ class _Run:
             self._go_on(*found)
         return None
 
-    def _go_on(self, problem: Any, q: Array) -> None:
+    def _go_on(self, problem: FlowProblem, q: Array) -> None:
         """Another discretization of the shape at the same time: a second row says what that changed."""
         state = _moved(self.state, problem, q)
         velocity = float(np.abs(problem.velocity(state.q, state.rate)).max())
@@ -353,7 +355,7 @@ class _Run:
         return None
 
 
-def _moved(state: FlowState, problem: Any, q: Array) -> FlowState:
+def _moved(state: FlowState, problem: FlowProblem, q: Array) -> FlowState:
     """A state on another discretization; the constraints keep their values."""
     q = constrained(problem, q, state.kept)
     rate, multipliers, _ = first_rates(problem, q)

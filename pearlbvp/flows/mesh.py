@@ -153,8 +153,13 @@ class MeshFlow:
         if self.law == "diffusion" and self.reference.mesh.count > MOST_NODES:
             count = self.reference.mesh.count
             raise InputError(
-                f"nodes: the H^-1 flow of {count} vertices takes too large matrices; stay below {MOST_NODES}"
+                "nodes", f"the H^-1 flow of {count} vertices takes too large matrices", f"stay below {MOST_NODES}"
             )
+
+    @property
+    def c0(self) -> float:
+        """Spontaneous curvature."""
+        return self.reference.c0
 
     @property
     def length(self) -> float:

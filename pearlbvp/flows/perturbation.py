@@ -47,7 +47,7 @@ def displaced(problem: FlowProblem, q: Array, speed: Callable[[Array], Array]) -
                 return q
     except (InputError, np.linalg.LinAlgError):  # triangles that are none any more, a surface of no area
         pass
-    raise InputError("delta: the perturbed surface closes, crosses itself or is too steep; perturb it less")
+    raise InputError("delta", "the perturbed surface closes, crosses itself or is too steep", "perturb it less")
 
 
 def bump(problem: FlowProblem, q: Array, delta: float, xi: float = 1.0, centre: float = 0.0) -> Array:

@@ -10,7 +10,8 @@ rates of the flow near an equilibrium are those of ``pearlbvp.stability``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, NamedTuple, Protocol, get_args
+from dataclasses import Field
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol, get_args
 
 from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
@@ -28,7 +29,7 @@ def check_law(law: str) -> None:
         InputError: which to choose.
     """
     if law not in get_args(Law):
-        raise InputError(f"law: {law!r} is none of {', '.join(get_args(Law))}")
+        raise InputError("law", f"{law!r} is none of {', '.join(get_args(Law))}")
 
 
 class Trouble(NamedTuple):
@@ -46,11 +47,20 @@ class Trouble(NamedTuple):
 
 
 class FlowProblem(Protocol):
-    """A semi-discrete gradient flow. Lengths are in radii, ``N`` is the number of coordinates, ``k`` of constraints."""
+    """A semi-discrete gradient flow, a frozen dataclass.
+
+    Lengths are in radii, ``N`` is the number of coordinates, ``k`` of constraints.
+    """
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
     @property
     def law(self) -> Law:
         """What the flow keeps."""
+
+    @property
+    def c0(self) -> float:
+        """Spontaneous curvature."""
 
     @property
     def length(self) -> float:

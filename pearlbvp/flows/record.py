@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -50,7 +50,7 @@ class Frame:
     __repr__ = brief
 
     t: float
-    problem: Any
+    problem: FlowProblem
     q: Array
 
 
@@ -117,7 +117,7 @@ class Equilibrium:
 
     __repr__ = brief
 
-    problem: Any
+    problem: FlowProblem
     q: Array
     multipliers: Array
     converged: bool
@@ -153,7 +153,7 @@ class FlowState:
 
     __repr__ = brief
 
-    problem: Any
+    problem: FlowProblem
     t: float
     q: Array
     rate: Array

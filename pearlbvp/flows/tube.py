@@ -64,12 +64,13 @@ class TubeFlow:
         check_law(self.law)
         along, around = self.size
         if along < 1 or around < 2:
-            raise InputError(f"size: {along},{around} waves along and around are too few; give at least 1,2")
+            raise InputError("size", f"{along},{around} waves along and around are too few", "give at least 1,2")
         count = (2 * along + 1) * (2 * around + 1)
         if count > MOST_MODES:
             raise InputError(
-                f"size: {along},{around} waves along and around are {count} functions, more than {MOST_MODES}; "
-                "give fewer, like 24,24 or 60,9"
+                "size",
+                f"{along},{around} waves along and around are {count} functions, more than {MOST_MODES}",
+                "give fewer, like 24,24 or 60,9",
             )
 
     @cached_property
@@ -127,8 +128,9 @@ class TubeFlow:
         turns = round(kappa / unit)
         if abs(kappa / unit - turns) > 1e-9:
             raise InputError(
-                f"kappa: a frame that turns {kappa / unit:.6g} times on L = {self.length:g} does not fit it; give a multiple "
-                "of 2 pi/L"
+                "kappa",
+                f"a frame that turns {kappa / unit:.6g} times on L = {self.length:g} does not fit it",
+                "give a multiple of 2 pi/L",
             )
         known = {
             mode._replace(p=round(mode.p * k / unit)): float(value)

@@ -79,8 +79,9 @@ def _of_graph(projection: Projection, length: float, m: int, n: int) -> tuple[co
     share = projection.share
     if abs(share.sum()) < 0.99 * np.abs(share).sum():
         raise InputError(
-            f"surface: triangle {int(share.argmin()) // 3} is folded over as seen from the axis; amplitudes need a graph "
-            "over it"
+            "surface",
+            f"triangle {int(share.argmin()) // 3} is folded over as seen from the axis",
+            "amplitudes need a graph over it",
         )
     first, second = projection.amplitudes(2 * math.pi / length, np.array([m]), np.array([n])).ravel()
     return complex(first), complex(second)

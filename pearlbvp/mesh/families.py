@@ -74,10 +74,8 @@ def divisions(length: float, nodes: int, coil: tuple[int, int] | None = None) ->
             if score < best:
                 best, chosen = score, (rows, around)
     if best[1] == math.inf:
-        text = (
-            f"nodes: {nodes} are too few for good triangles on a tube of length {{L:g}}; give {fewest(length)} or more"
-        )
-        raise InputError(Sentence(text, L=length))
+        text = f"{nodes} are too few for good triangles on a tube of length {{L:g}}"
+        raise InputError("nodes", Sentence(text, L=length), f"give {fewest(length)} or more")
     return chosen
 
 
@@ -120,9 +118,9 @@ def tube_mesh(
         InputError: too few nodes, or a surface that gives no good mesh.
     """
     if nodes < 20:
-        raise InputError(f"nodes: {nodes} make no tube; give 20 or more")
+        raise InputError("nodes", f"{nodes} make no tube", "give 20 or more")
     if nodes > MOST_NODES:
-        raise InputError(f"nodes: {nodes} are more than the {MOST_NODES} that fit in memory; give fewer")
+        raise InputError("nodes", f"{nodes} are more than the {MOST_NODES} that fit in memory", "give fewer")
     rows, around = divisions(length, int(nodes), coil)
     j, i = np.divmod(np.arange(rows * around), around)
     x, phi = length * j / rows, 2 * np.pi * (i + 0.5 * (j % 2)) / around

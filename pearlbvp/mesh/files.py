@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -49,7 +48,7 @@ def _format(name: str, path: Path) -> str:
         return FORMATS[path.suffix.lower()]
     except KeyError:
         raise InputError(
-            f"{name}: {path.name} has none of the endings {', '.join(FORMATS)}; choose one of these formats"
+            name, f"{path.name} has none of the endings {', '.join(FORMATS)}", "choose one of these formats"
         ) from None
 
 
@@ -142,7 +141,7 @@ def _read(path: Path, length: float, name: str) -> tuple[Soup, PeriodicMesh, tup
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise InputError(
-            f"{name}: {path.name} has none of the endings {', '.join(READERS)}; choose one of these formats"
+            name, f"{path.name} has none of the endings {', '.join(READERS)}", "choose one of these formats"
         )
     data = read_whole(name, path, MOST_BYTES)
     try:
@@ -150,23 +149,19 @@ def _read(path: Path, length: float, name: str) -> tuple[Soup, PeriodicMesh, tup
             soup = reader(data)
     except Unreadable as error:
         raise InputError(
-            f"{name}: {path} cannot be read as {path.suffix[1:].upper()} ({error}); export it again"
+            name, f"{path} cannot be read as {path.suffix[1:].upper()} ({error})", "export it again"
         ) from None
     except (ValueError, LookupError, OverflowError):  # of words that are no numbers, or numbers beyond all use
         raise InputError(
-            f"{name}: {path} cannot be read as {path.suffix[1:].upper()} (it is broken or cut off); export it again"
+            name, f"{path} cannot be read as {path.suffix[1:].upper()} (it is broken or cut off)", "export it again"
         ) from None
     try:
         mesh, said = tube_of(soup, length)
     except InputError as error:
-        raise InputError(_of_file(str(error), f"{name}: {path}")) from None
+        if error.argument == "length":
+            raise
+        raise error.named(f"{name}: {path}") from None
     return soup, mesh, said
-
-
-def _of_file(message: str, file: str) -> str:
-    """A message about what a file holds, as one about the file; the period is an argument of its own."""
-    subject, _, rest = message.partition(": ")
-    return message if subject == "length" else f"{file}: {rest}"
 
 
 def check_radius(mesh: PeriodicMesh) -> None:
@@ -177,7 +172,8 @@ def check_radius(mesh: PeriodicMesh) -> None:
     """
     found = mesh.area / (2 * math.pi * mesh.length)
     if not 1 / FAR < found < FAR:
-        raise InputError(Sentence("radius: the tube's radius is about {r:.2g}; give radius={r:.2g}", r=found))
+        what, remedy = "the tube's radius is about {r:.2g}", "give radius={r:.2g}"
+        raise InputError("radius", Sentence(what, r=found), Sentence(remedy, r=found))
 
 
 def joined(points: Array, triangles: Integers, length: float, first: int = 0) -> PeriodicMesh:
@@ -194,8 +190,8 @@ def joined(points: Array, triangles: Integers, length: float, first: int = 0) ->
     try:
         soup = Soup.of(points, np.asarray(triangles).tolist(), first)
     except Unreadable as error:
-        raise InputError(f"triangles: {error}; give triangles of vertices") from None
+        raise InputError("triangles", str(error), "give triangles of vertices") from None
     try:
         return tube_of(soup, length)[0]
     except InputError as error:
-        raise InputError(re.sub("^(vertices|mesh): ", "points: ", str(error))) from None
+        raise (error.named("points") if error.argument in ("vertices", "mesh") else error) from None

@@ -15,44 +15,11 @@ import numpy as np
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
+from pearlbvp.mesh.mesh_error import MeshError
 from pearlbvp.representation import brief
 
 WORST = 100.0
 """Quality (eq. (mq)) beyond which a triangle is a sliver. Equilateral triangles have ``2 sqrt(3) = 3.46``."""
-
-
-class MeshError(InputError):
-    """A mesh that is none, said by its vertices and triangles; who made it from a file can say it by those of the file.
-
-    Attributes:
-        template: the message, with ``{0}``, ``{1}``, ``{2}`` for vertices and ``{triangle}`` for the first one's triangle.
-        corners: those vertices as corners: ``3 t + a`` is corner ``a`` of triangle ``t``.
-    """
-
-    template: str = ""
-    corners: tuple[int, ...] = ()
-
-    @classmethod
-    def at(
-        cls, template: str, triangles: Integers, *corners: int, first: int = 0, faces: Integers | None = None
-    ) -> MeshError:
-        """The error with the numbers of ``triangles``, shape (T, 3), whose counting begins with ``first``.
-
-        ``faces`` are the numbers of the triangles themselves, by default their places.
-        """
-        corners = tuple(int(corner) for corner in corners)
-        numbers = triangles.ravel()[list(corners)] + first
-        triangle = corners[0] // 3 if faces is None else faces[corners[0] // 3]
-        error = cls(template.format(*numbers, triangle=triangle + first))
-        error.template, error.corners = template, corners
-        return error
-
-    def renumbered(self, triangles: Integers, first: int = 0, faces: Integers | None = None) -> MeshError:
-        """The same with other numbers of the same triangles' corners; says where they begin."""
-        if not self.corners:
-            return self
-        template = f"{self.template} (numbers are the file's, from {first} on)"
-        return MeshError.at(template, triangles, *self.corners, first=first, faces=faces)
 
 
 @dataclass(frozen=True, eq=False)
@@ -297,23 +264,24 @@ def _first(wrong: Any) -> int | None:
 def _check_arrays(mesh: PeriodicMesh) -> None:
     vertices, triangles = mesh.vertices, mesh.triangles
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
-        raise InputError(f"vertices: shape {vertices.shape} is not (V, 3); give x, y, z of each vertex")
+        raise InputError("vertices", f"shape {vertices.shape} is not (V, 3)", "give x, y, z of each vertex")
     if triangles.ndim != 2 or triangles.shape[1] != 3 or len(triangles) == 0 or mesh.wraps.shape != triangles.shape:
         raise InputError(
-            f"triangles: shapes {triangles.shape} and {mesh.wraps.shape} of triangles and wraps are not both (T, 3)"
+            "triangles", f"shapes {triangles.shape} and {mesh.wraps.shape} of triangles and wraps are not both (T, 3)"
         )
     if not (np.isfinite(mesh.length) and mesh.length > 0):
-        raise InputError(f"length: the period {mesh.length:g} is not a positive number; give the tube's period")
+        raise InputError("length", f"the period {mesh.length:g} is not a positive number", "give the tube's period")
     if (i := _first(~np.isfinite(vertices).all(axis=1))) is not None:
-        raise InputError(f"vertices: vertex {i} at {vertices[i]} is not finite; give ordinary numbers")
+        raise InputError("vertices", f"vertex {i} at {vertices[i]} is not finite", "give ordinary numbers")
     if (t := _first(((triangles < 0) | (triangles >= len(vertices))).any(axis=1))) is not None:
         raise InputError(
-            f"triangles: triangle {t} has corners {triangles[t]}, but there are {len(vertices)} vertices; "
-            "count them from 0"
+            "triangles",
+            f"triangle {t} has corners {triangles[t]}, but there are {len(vertices)} vertices",
+            "count them from 0",
         )
     used = np.bincount(triangles.ravel(), minlength=len(vertices))
     if (i := _first(used == 0)) is not None:
-        raise InputError(f"vertices: vertex {i} belongs to no triangle; leave it out")
+        raise InputError("vertices", f"vertex {i} belongs to no triangle", "leave it out")
 
 
 def _check_topology(mesh: PeriodicMesh) -> None:
@@ -323,15 +291,21 @@ def _check_topology(mesh: PeriodicMesh) -> None:
     if (number > 1).any():
         doubled = int(place[number > 1].min())
         raise MeshError.at(
-            "triangles: the edge from vertex {0} to {1} (triangle {triangle}) runs the same way in two triangles; "
-            "orient all triangles alike, with two at every edge",
+            (
+                "triangles",
+                "the edge from vertex {0} to {1} (triangle {triangle}) runs the same way in two triangles",
+                "orient all triangles alike, with two at every edge",
+            ),
             triangles,
             *_ends(doubled),
         )
     if (h := _first(mesh.twin < 0)) is not None:
         raise MeshError.at(
-            "triangles: the edge from vertex {0} to {1} (triangle {triangle}) has no second triangle; "
-            "close the surface, and check that its ends match at the period",
+            (
+                "triangles",
+                "the edge from vertex {0} to {1} (triangle {triangle}) has no second triangle",
+                "close the surface, and check that its ends match at the period",
+            ),
             triangles,
             *_ends(h),
         )
@@ -340,13 +314,13 @@ def _check_topology(mesh: PeriodicMesh) -> None:
         i = int(np.searchsorted(start, gap, side="right")) - 1
         corner = int(np.argmax(mesh.tail == i))
         raise MeshError.at(
-            "triangles: the triangles about vertex {0} are no single fan; split the vertex", triangles, corner
+            ("triangles", "the triangles about vertex {0} are no single fan", "split the vertex"), triangles, corner
         )
     reached, (periods, queue) = np.zeros(mesh.count, dtype=bool), np.zeros((2, mesh.count), dtype=np.int64)
     _reach(start, order, mesh.head, mesh.shift, reached, periods, queue)
     if (away := _first(~reached[mesh.tail])) is not None:
         raise MeshError.at(
-            "vertices: vertex {0} cannot be reached from vertex {1}; give one tube",
+            ("vertices", "vertex {0} cannot be reached from vertex {1}", "give one tube"),
             triangles,
             away,
             int(np.argmax(reached[mesh.tail])),
@@ -355,32 +329,46 @@ def _check_topology(mesh: PeriodicMesh) -> None:
     closing = int(np.gcd.reduce(mesh.shift - periods[mesh.head] + periods[mesh.tail]))
     if closing == 0:
         raise InputError(
-            f"wraps: no loop of the {len(mesh.edges)} edges leads into the next period, so the surface is closed; "
-            "give a tube"
+            "wraps",
+            f"no loop of the {len(mesh.edges)} edges leads into the next period, so the surface is closed",
+            "give a tube",
         )
     if closing > 1:
         raise InputError(
-            f"length: the surface closes only after {closing} periods of {mesh.length:g}; give {closing * mesh.length:g}"
+            "length",
+            f"the surface closes only after {closing} periods of {mesh.length:g}",
+            f"give {closing * mesh.length:g}",
         )
     if (euler := mesh.count - len(mesh.edges) + len(triangles)) != 0:
-        raise InputError(f"triangles: the Euler characteristic is {euler}, that of a periodic tube is 0; mesh one tube")
+        raise InputError(
+            "triangles", f"the Euler characteristic is {euler}, that of a periodic tube is 0", "mesh one tube"
+        )
 
 
 def _check_shape(mesh: PeriodicMesh) -> None:
     spans = np.abs(mesh.edge_vectors[:, 0])
     if (h := _first(spans > 0.4 * mesh.length)) is not None:
         raise MeshError.at(
-            f"length: the edge from vertex {{0}} to {{1}} spans {spans[h]:.3g} along x, too much of the period "
-            f"{mesh.length:g}; give the period that the mesh was made for, or more vertices",
+            (
+                "length",
+                f"the edge from vertex {{0}} to {{1}} spans {spans[h]:.3g} along x, too much of the period {mesh.length:g}",
+                "give the period that the mesh was made for, or more vertices",
+            ),
             mesh.triangles,
             *_ends(h),
         )
     if (t := _first(np.logical_not(mesh.quality < WORST))) is not None:
         raise MeshError.at(
-            "vertices: triangle {triangle} with corners {0}, {1}, {2} is a sliver of quality "
-            f"{mesh.quality[t]:.3g} (at most {WORST:g}, 3.46 is best); improve the mesh there",
+            (
+                "vertices",
+                f"triangle {{triangle}} with corners {{0}}, {{1}}, {{2}} is a sliver of quality {mesh.quality[t]:.3g} (at most "
+                f"{WORST:g}, 3.46 is best)",
+                "improve the mesh there",
+            ),
             mesh.triangles,
             *range(3 * t, 3 * t + 3),
         )
     if not mesh.volume > 0:
-        raise InputError("triangles: triangle 0 and all others are seen clockwise from outside; reverse their corners")
+        raise InputError(
+            "triangles", "triangle 0 and all others are seen clockwise from outside", "reverse their corners"
+        )

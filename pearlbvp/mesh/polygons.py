@@ -41,8 +41,10 @@ def split(points: Array, corners: Integers, sizes: Integers, first: int = 0) -> 
                 ears = None if size > LONGEST else _ears(points[corners[own]])
                 if ears is None:
                     raise InputError(
-                        f"triangles: the polygon {face + first} of {size} corners (counted from {first} on) crosses "
-                        "itself, or has too many; split it into triangles"
+                        "triangles",
+                        f"the polygon {face + first} of {size} corners (counted from {first} on) "
+                        "crosses itself, or has too many",
+                        "split it into triangles",
                     )
                 found.append(np.column_stack((own[ears], np.full(len(ears), face))))
     triangles = np.concatenate(found)

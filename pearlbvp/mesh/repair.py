@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.formats.soup import Soup
-from pearlbvp.mesh.periodic import MeshError
+from pearlbvp.mesh.mesh_error import MeshError
 from pearlbvp.mesh.polygons import split
 from pearlbvp.messages import counted
 
@@ -60,7 +60,7 @@ class Surface:
         """The same, with more words of what was repaired."""
         return replace(self, said=(*self.said, *(word for word in words if word)))
 
-    def error(self, template: str, *corners: int) -> MeshError:
+    def error(self, template: tuple[str, str, str], *corners: int) -> MeshError:
         """An error about corners ``3 t + a``, by the file's numbers; see ``MeshError``."""
         return MeshError.at(template, self.triangles, *corners).renumbered(self.corners, self.first, self.faces)
 
@@ -75,8 +75,10 @@ def repaired(soup: Soup) -> Surface:
     wrong = used[~np.isfinite(soup.points[used]).all(axis=1)]
     if len(wrong):
         raise InputError(
-            f"vertices: vertex {wrong[0] + soup.first} (of the file, from {soup.first} on) at {soup.points[wrong[0]]} is not "
-            "finite; give ordinary numbers"
+            "vertices",
+            f"vertex {wrong[0] + soup.first} (of the file, from {soup.first} on) at "
+            f"{soup.points[wrong[0]]} is not finite",
+            "give ordinary numbers",
         )
     _check_sizes(soup, used)
     owner = np.repeat(np.arange(len(soup.sizes)), soup.sizes)
@@ -85,7 +87,7 @@ def repaired(soup: Soup) -> Surface:
     kept = np.flatnonzero(sizes >= 3)
     corners = corners[np.repeat(sizes >= 3, sizes)]
     if not len(kept):
-        raise InputError("triangles: no face of the file has an area; export it again")
+        raise InputError("triangles", "no face of the file has an area", "export it again")
     places = split(soup.points, corners, sizes[kept], soup.first)
     surface = Surface(soup.points, vertex, corners[places[:, :3]], kept[places[:, 3]], soup.first)
     quads, others = int((sizes == 4).sum()), int((sizes > 4).sum())
@@ -112,11 +114,14 @@ def _check_sizes(soup: Soup, used: Integers) -> None:
     usual = float(np.median(away))
     if usual > 0 and away[far] > ASTRAY * usual:
         raise InputError(
-            f"vertices: {named} is {away[far]:.3g} away from the middle of all, half of which are within {usual:.3g}; "
-            "correct it, or leave its faces out"
+            "vertices",
+            f"{named} is {away[far]:.3g} away from the middle of all, half of which are within {usual:.3g}",
+            "correct it, or leave its faces out",
         )
     if float(np.abs(soup.points[used]).max()) > LARGEST:
-        raise InputError(f"vertices: {named} is farther out than can be computed with; give a tube of ordinary size")
+        raise InputError(
+            "vertices", f"{named} is farther out than can be computed with", "give a tube of ordinary size"
+        )
 
 
 def joined_points(points: Array, near: float) -> Integers:
@@ -181,7 +186,7 @@ def _without_area(surface: Surface, dropped: int) -> Surface:
         surface = _split_beside(surface, int(flat[0]), int(edges[flat[0]].argmax()))
         dropped += 1
     if not len(surface.corners):
-        raise InputError("triangles: no face of the file has an area; export it again")
+        raise InputError("triangles", "no face of the file has an area", "export it again")
     return surface.saying(f"left out {counted(dropped, 'face')} without area" if dropped else "")
 
 

@@ -94,10 +94,10 @@ def of_ends(points: Array, triangles: Integers, length: float) -> Seam:
         if (found := len(rim) - left) > most:
             best, most = seam, found
     if len(ends) == 2 and steps:
-        raise InputError(_other_period(points, triangles, length, float(np.linalg.norm(steps[0])), _axis(steps[0])))
+        raise _other_period(points, triangles, length, float(np.linalg.norm(steps[0])), _axis(steps[0]))
     if best is not None:
         return best  # with a hole, which the mesh's own check names
-    raise InputError(_no_period(points[np.unique(triangles)], length, len(ends)))
+    raise _no_period(points[np.unique(triangles)], length, len(ends))
 
 
 def _translations(points: Array, ends: list[Integers], near: float) -> list[Array]:
@@ -143,27 +143,31 @@ def _extent(points: Array) -> str:
     return f"x, which runs from {low:.6g} to {high:.6g}"
 
 
-def _no_period(points: Array, length: float, ends: int) -> str:
+def _no_period(points: Array, length: float, ends: int) -> InputError:
     others = ", ".join(f"{name} from {a:.6g} to {b:.6g}" for name, a, b in
                        zip("yz", points.min(axis=0)[1:], points.max(axis=0)[1:], strict=True))  # fmt: skip
     what = "its two ends do not match" if ends == 2 else f"it has {ends} open {'ends' if ends > 1 else 'end'} or holes"
-    return (
-        f"length: no two points of the file lie {length:g} apart along {_extent(points)} ({others}), and {what}; "
-        "give the tube's period, of a tube whose ends are the same"
+    return InputError(
+        "length",
+        f"no two points of the file lie {length:g} apart along {_extent(points)} ({others}), and {what}",
+        "give the tube's period, of a tube whose ends are the same",
     )
 
 
-def _other_period(points: Array, triangles: Integers, length: float, found: float, axis: Array) -> str:
+def _other_period(points: Array, triangles: Integers, length: float, found: float, axis: Array) -> InputError:
     along = turned(points[np.unique(triangles)], axis)[:, 0]
     if (periods := round(found / length)) > 1 and abs(found / (periods * length) - 1) < PERIOD:
-        return (
-            f"length: the file runs from {named(axis)} = {along.min():.6g} to {along.max():.6g}, {periods} periods of "
-            f"{length:g}; give the period of the whole, or a file of one period"
+        return InputError(
+            "length",
+            f"the file runs from {named(axis)} = {along.min():.6g} to {along.max():.6g}, {periods} periods of {length:g}",
+            "give the period of the whole, or a file of one period",
         )
     extent = _extent(points[np.unique(triangles)])
-    return (
-        f"length: no two points of the file lie {length:g} apart along {extent}, and its ends are the same {found:.6g} apart "
-        f"along {named(axis)}; give that as the period"
+    return InputError(
+        "length",
+        f"no two points of the file lie {length:g} apart along {extent}, and its ends are the same {found:.6g} apart "
+        f"along {named(axis)}",
+        "give that as the period",
     )
 
 
@@ -200,8 +204,10 @@ def of_wrapped(points: Array, triangles: Integers, length: float) -> Seam | None
             axis = _axis(step)
     if other is not None:
         raise InputError(
-            f"length: its triangles lead on to where it begins smoothly after {other[0]:.4g} along {other[1]}, and not after "
-            f"{length:g}; give its period, or a file whose last vertices are its first ones a period on"
+            "length",
+            f"its triangles lead on to where it begins smoothly after {other[0]:.4g} along {other[1]}, "
+            f"and not after {length:g}",
+            "give its period, or a file whose last vertices are its first ones a period on",
         )
     return None
 

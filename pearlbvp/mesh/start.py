@@ -41,7 +41,7 @@ def solved(problem: MeshProblem, u: Array, keep: str = "v") -> Array:
     result, _ = correct_at(problem, u, NEWTON, {"v": -1, "lambda2": -2}[keep])
     if not result.converged:
         raise InputError(
-            f"surface: no equilibrium near it ({result.message}); start from a better one, or a finer mesh"
+            "surface", f"no equilibrium near it ({result.message})", "start from a better one, or a finer mesh"
         )
     return result.u
 
@@ -123,8 +123,8 @@ def branch_point(
     near = onset_lambda2(Tube(c0, mesh.length), m, n)
     wave, edge = 2 * math.pi / math.hypot(2 * math.pi * m / mesh.length, n), float(mesh.edge_lengths.mean())
     if wave < 2 * edge:
-        text = f"mode: {m, n} has waves shorter than two edges of the mesh, {{edge:.2g}}; give more nodes"
-        raise InputError(Sentence(text, edge=2 * edge))
+        text = f"{m, n} has waves shorter than two edges of the mesh, {{edge:.2g}}"
+        raise InputError("mode", Sentence(text, edge=2 * edge), "give more nodes")
     problem, u, count = _without_mode(*_cylinder(mesh, c0, near, kind), m, n)
     u = solved(problem, u, "lambda2")
     rate, slope = _mean_rate(problem, u, count), float(linear((2 * math.pi * m / mesh.length) ** 2, n))
@@ -137,8 +137,8 @@ def branch_point(
             return problem, u
         before, rate = rate, _mean_rate(problem, u, count)
         slope = (rate - before) / step
-    text = f"mode: {m, n} has no branch point on this mesh near lambda2 = {{lambda2:.4g}}; give more nodes"
-    raise InputError(Sentence(text, lambda2=near))
+    text = f"{m, n} has no branch point on this mesh near lambda2 = {{lambda2:.4g}}"
+    raise InputError("mode", Sentence(text, lambda2=near), "give more nodes")
 
 
 def _without_mode(problem: MeshProblem, u: Array, m: int, n: int) -> tuple[MeshProblem, Array, int]:
@@ -182,7 +182,7 @@ def onset(
     allowed = {"pearl": m > 0 and n == 0, "ring": m == 0 and n > 1, "coil": m > 0 and n > 0, "buckle": m > 0 and n > 0}
     choice("family", form, tuple(allowed))
     if not allowed[form]:
-        raise InputError(f"mode: {m, n} is none of a {form}; see the modes that dispersion lists")
+        raise InputError("mode", f"{(m, n)} is none of a {form}", "see the modes that dispersion lists")
     problem, u = branch_point(mesh, tube.c0, m, n, kind)
     points = problem.points(u)
     x, phi = 2 * math.pi * m * points[:, 0] / tube.length, n * np.arctan2(points[:, 2], points[:, 1])

@@ -13,7 +13,8 @@ from pearlbvp.arrays import Array, Integers
 from pearlbvp.errors import InputError
 from pearlbvp.mesh.caps import Mask, caps, edges_of, loops_of
 from pearlbvp.mesh.formats.soup import Soup
-from pearlbvp.mesh.periodic import MeshError, PeriodicMesh
+from pearlbvp.mesh.mesh_error import MeshError
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.repair import SAME, Surface, repaired
 from pearlbvp.mesh.seam import SEAM, Seam, named, of_ends, of_wrapped, overlap, turned
 from pearlbvp.messages import counted
@@ -66,11 +67,12 @@ def tube_of(soup: Soup, length: float) -> tuple[PeriodicMesh, tuple[str, ...]]:
     except MeshError as error:
         raise error.renumbered(surface.corners, surface.first, surface.faces) from None
     if (twice := overlap(mesh.vertices, length, SAME * float(np.median(mesh.edge_lengths)))) is not None:
+        one, other = kept[twice] + surface.first
         raise InputError(
-            "vertices: vertex {} and vertex {} (of the file, from {} on) lie at the same place, but for whole periods; give "
-            "one period, whose ends do not overlap and are open or flat".format(
-                *kept[twice] + surface.first, surface.first
-            )
+            "vertices",
+            f"vertex {one} and vertex {other} (of the file, from {surface.first} on) lie at the same place, but for whole "
+            "periods",
+            "give one period, whose ends do not overlap and are open or flat",
         )
     _check_around(mesh)
     _compare(mesh, surface, seam)
@@ -97,7 +99,11 @@ def _check_edges(surface: Surface) -> None:
 
 def _manifold(surface: Surface, half_edge: int, count: int) -> MeshError:
     return surface.error(
-        f"triangles: {count} triangles meet at the edge from vertex {{0}} to {{1}} (triangle {{triangle}}); leave two of them",
+        (
+            "triangles",
+            f"{count} triangles meet at the edge from vertex {{0}} to {{1}} (triangle {{triangle}})",
+            "leave two of them",
+        ),
         half_edge,
         half_edge + 1 if half_edge % 3 < 2 else half_edge - 2,
     )
@@ -129,8 +135,9 @@ def _check_pieces(surface: Surface, triangles: Integers) -> None:
     ]
     more = f" and {len(pieces) - 1 - NAMED} more" if len(pieces) > 1 + NAMED else ""
     raise InputError(
-        f"triangles: there are {len(pieces)} pieces, the largest of {len(pieces[0])} triangles, and {', '.join(others)}{more}; "
-        f"delete all but one tube (vertices are numbered from {surface.first} on)"
+        "triangles",
+        f"there are {len(pieces)} pieces, the largest of {len(pieces[0])} triangles, and {', '.join(others)}{more}",
+        f"delete all but one tube (vertices are numbered from {surface.first} on)",
     )
 
 
@@ -169,8 +176,10 @@ def _check_around(mesh: PeriodicMesh) -> None:
     x, met = ends[order][apart], met[apart]
     if len(met) and met.min() < 2 * FEWEST_AROUND:
         raise InputError(
-            f"triangles: about {met.min() / 2:g} vertices lie around the tube beyond {x[met.argmin()]:.4g} along its axis, too "
-            f"few for the shape of a section; mesh it with {FEWEST_AROUND} or more, better 12"
+            "triangles",
+            f"about {met.min() / 2:g} vertices lie around the tube beyond {x[met.argmin()]:.4g} "
+            "along its axis, too few for the shape of a section",
+            f"mesh it with {FEWEST_AROUND} or more, better 12",
         )
 
 
@@ -189,17 +198,19 @@ def _seam(surface: Surface, length: float) -> tuple[Surface, Seam]:
         elif len(rim) == 0:
             seam = of_wrapped(surface.points, surface.triangles, length)
             if seam is None:
-                raise InputError(_closed(surface, length))
+                raise _closed(surface, length)
             return surface.saying(seam.said), seam
     return surface, of_ends(surface.points, surface.triangles, length)
 
 
-def _closed(surface: Surface, length: float) -> str:
+def _closed(surface: Surface, length: float) -> InputError:
     points = surface.points[np.unique(surface.triangles)]
     extent = " x ".join(f"{size:.4g}" for size in np.ptp(points, axis=0))
-    return (
-        f"length: the surface is closed, of extent {extent}, and neither has two flat ends {length:g} apart nor leads from its "
-        "end to its beginning after that period; give the period of a tube, open or with flat caps"
+    return InputError(
+        "length",
+        f"the surface is closed, of extent {extent}, and neither has two flat ends {length:g} apart nor leads from its end to "
+        "its beginning after that period",
+        "give the period of a tube, open or with flat caps",
     )
 
 
@@ -229,7 +240,7 @@ def _oriented(surface: Surface, triangles: Integers, wraps: Integers) -> tuple[I
     label = connected_components(graph, directed=False)[1].reshape(2, total)
     if (label[0] == label[1]).any():
         raise InputError(
-            "triangles: the triangles cannot all be oriented alike, as the surface has one side only; give a tube"
+            "triangles", "the triangles cannot all be oriented alike, as the surface has one side only", "give a tube"
         )
     flipped = label[0] > label[1]
     if 2 * flipped.sum() > total:
@@ -263,6 +274,7 @@ def _compare(mesh: PeriodicMesh, surface: Surface, seam: Seam) -> None:
     for name, found, own in (("area", mesh.area, area), ("volume", mesh.volume, volume)):
         if not abs(found - own) <= UNLIKE * abs(own):
             raise InputError(
-                f"mesh: the tube that was read has the {name} {found:.8g}, its file's triangles have {own:.8g}; "
-                "write it as triangles, cut open at its period"
+                "mesh",
+                f"the tube that was read has the {name} {found:.8g}, its file's triangles have {own:.8g}",
+                "write it as triangles, cut open at its period",
             )

@@ -66,7 +66,7 @@ def names(wanted: str) -> list[str]:
         InputError: the paper has none of that name.
     """
     if wanted != "all" and wanted not in CATALOGUE:
-        raise InputError(f"figure: the paper has no {wanted!r}; give all, or one of {', '.join(CATALOGUE)}")
+        raise InputError("figure", f"the paper has no {wanted!r}", f"give all, or one of {', '.join(CATALOGUE)}")
     return list(CATALOGUE) if wanted == "all" else [wanted]
 
 

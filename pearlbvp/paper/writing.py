@@ -37,6 +37,6 @@ def sample_branch(figure: str, samples: Samples, name: str) -> Branch[Any]:
     """
     if name not in samples:
         known = ", ".join(samples) or "none"
-        raise InputError(f"point: {figure} has no sample {name!r}; its samples are {known}")
+        raise InputError("point", f"{figure} has no sample {name!r}", f"its samples are {known}")
     special: list[SpecialPoint] = [SpecialPoint("start", 0), SpecialPoint("end", 0)]
     return Branch([samples[name]], special, Status.GIVEN, f"it is sample {name} of Fig. {figure}")

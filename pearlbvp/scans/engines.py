@@ -85,7 +85,7 @@ def dask(where: str | int) -> Engine:
         from distributed import Client, LocalCluster
     except ImportError:
         name = "workers" if isinstance(where, int) else "scheduler"
-        raise InputError(f"{name}: Dask is not installed; install pearlbvp[dask]") from None
+        raise InputError(name, "Dask is not installed", "install pearlbvp[dask]") from None
 
     @contextmanager
     def engine() -> Iterator[Executor]:
@@ -95,8 +95,9 @@ def dask(where: str | int) -> Engine:
             except (OSError, RuntimeError, TimeoutError) as error:
                 why = " ".join(str(error).split())[:120] or type(error).__name__
                 raise InputError(
-                    f'workers: the cluster did not start ({why}); in a script call it under if __name__ == "__main__", or '
-                    "give a number of processes"
+                    "workers",
+                    f"the cluster did not start ({why})",
+                    'in a script call it under if __name__ == "__main__", or give a number of processes',
                 ) from None
             with cluster, Client(cluster) as client:
                 yield client.get_executor(pure=False)
@@ -105,7 +106,9 @@ def dask(where: str | int) -> Engine:
             client = Client(where, timeout=PATIENCE)
         except (OSError, ValueError, TimeoutError) as error:
             why = " ".join(str(error).split())[:120] or type(error).__name__
-            raise InputError(f"scheduler: {where} does not answer ({why}); give the address of one that runs") from None
+            raise InputError(
+                "scheduler", f"{where} does not answer ({why})", "give the address of one that runs"
+            ) from None
         with client:
             yield client.get_executor(pure=False)
 

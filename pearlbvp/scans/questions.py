@@ -182,7 +182,7 @@ def _waves(mode: str) -> tuple[int, int]:
     """Waves along and around, from a case's ``m:n``."""
     along, _, around = mode.partition(":")
     if not (along.isdigit() and around.isdigit()):
-        raise InputError(f"mode: {mode.replace(':', ',')!r} is no mode; give waves along and around, like 1,1")
+        raise InputError("mode", f"{mode.replace(':', ',')!r} is no mode", "give waves along and around, like 1,1")
     return int(along), int(around)
 
 
@@ -350,5 +350,5 @@ def question_named(name: str) -> Question:
         InputError: there is none.
     """
     if name not in QUESTIONS:
-        raise InputError(f"question: {name!r} cannot be scanned; choose one of {', '.join(QUESTIONS)}")
+        raise InputError("question", f"{name!r} cannot be scanned", f"choose one of {', '.join(QUESTIONS)}")
     return QUESTIONS[name]

@@ -40,19 +40,19 @@ def cases_of(question: Question, parameters: Mapping[str, Values | None]) -> lis
     """
     for name in parameters:
         if name not in question.parameters:
-            raise InputError(f"{name}: {question.name} has no such parameter; it has {', '.join(question.parameters)}")
+            raise InputError(name, f"{question.name} has no such parameter", f"it has {', '.join(question.parameters)}")
     values = []
     for name in question.parameters:
         given = parameters.get(name)
         if given is None:
-            raise InputError(f"{name}: {question.name} needs it; give one value or several")
+            raise InputError(name, f"{question.name} needs it", "give one value or several")
         values.append(_values(name, given))
     count = 1
     for several in values:
         count *= len(several)
     if count > MOST_CASES:
         raise InputError(
-            f"{question.parameters[0]}: {count:,} cases are too many; give fewer values, up to {MOST_CASES:,} cases"
+            question.parameters[0], f"{count:,} cases are too many", f"give fewer values, up to {MOST_CASES:,} cases"
         )
     cases = list(dict.fromkeys(Case(question.name, found) for found in itertools.product(*values)))
     for case in cases:
@@ -88,14 +88,14 @@ def engine_of(workers: int | str | None, scheduler: str | None = None) -> tuple[
     """
     if scheduler is not None:
         if workers is not None:
-            raise InputError("workers: the scheduler has its own; leave one of the two out")
+            raise InputError("workers", "the scheduler has its own", "leave one of the two out")
         return engines.dask(scheduler), 4 * engines.cores()
     if isinstance(workers, str) and workers.startswith("dask:") and workers[5:].isdigit():
         count = whole("workers", int(workers[5:]))
         return engines.dask(count), count
     if isinstance(workers, str) and not workers.isdigit():
         raise InputError(
-            f"workers: {workers!r} is no number of processes; give one, or dask:8 for a cluster of so many"
+            "workers", f"{workers!r} is no number of processes", "give one, or dask:8 for a cluster of so many"
         )
     count = engines.cores() if workers is None else whole("workers", int(workers))
     return engines.local(count), count

@@ -76,13 +76,13 @@ class Store:
         self.name = name
         self.path = writable(name, path, locked=True)
         if not writing and not self.path.is_file():
-            raise InputError(f"{name}: there is no file {path}; give one that a scan wrote")
+            raise InputError(name, f"there is no file {path}", "give one that a scan wrote")
         if self.path.exists() and not self.path.is_file():
-            raise InputError(f"{name}: {path} is no ordinary file but a device or a pipe; give a file's name")
+            raise InputError(name, f"{path} is no ordinary file but a device or a pipe", "give a file's name")
         self._held = held(self.path)
         self.running = self._held is None
         if writing and self.running:
-            raise InputError(f"{name}: a scan is at work on {path}; wait for its end, or give another file")
+            raise InputError(name, f"a scan is at work on {path}", "wait for its end, or give another file")
         if not writing:
             self._let_go()
         try:
@@ -98,7 +98,7 @@ class Store:
         number = self._database.execute("PRAGMA application_id").fetchone()[0]
         tables = self._database.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall()
         if number != APPLICATION and (tables or not writing):
-            raise InputError(f"{self.name}: {self.path} is another program's database; give another file")
+            raise InputError(self.name, f"{self.path} is another program's database", "give another file")
         if writing:
             self._database.execute("PRAGMA journal_mode = WAL")
             self._database.execute("PRAGMA synchronous = FULL")  # what is finished outlives a power cut
@@ -107,7 +107,7 @@ class Store:
             self._database.execute(SERIES)
         columns = {row[1] for row in self._database.execute("PRAGMA table_info(cases)")}
         if not {"key", "question", "parameters", "settings", "version", "status", "rows", "finished"} <= columns:
-            raise InputError(f"{self.name}: {self.path} is no whole store; give another file")
+            raise InputError(self.name, f"{self.path} is no whole store", "give another file")
 
     @contextmanager
     def _understood(self) -> Iterator[None]:
@@ -120,10 +120,10 @@ class Store:
                 why = "the disk is full; what is finished is kept: free space and run the same again"
             elif "locked" in why:
                 why = "another program holds it; close it there"
-            raise InputError(f"{self.name}: {self.path}: {why}") from None
+            raise InputError(self.name, f"{self.path}: {why}") from None
         except sqlite3.DatabaseError as error:
             raise InputError(
-                f"{self.name}: {self.path} is no store or a broken one ({error}); give another file"
+                self.name, f"{self.path} is no store or a broken one ({error})", "give another file"
             ) from None
 
     def __enter__(self) -> Store:

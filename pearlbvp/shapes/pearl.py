@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation import Discretization, PiecewisePolynomial, gauss_scheme
+from pearlbvp.collocation import Collocated, Discretization, PiecewisePolynomial, gauss_scheme
 from pearlbvp.collocation.mesh import equidistribute, error_estimate, intervals_for
 from pearlbvp.collocation.polynomial import extremes
 from pearlbvp.continuation.spectrum import Spectrum
@@ -47,7 +47,7 @@ RESOLVED = 1e-4
 
 
 @dataclass(frozen=True)
-class PearlProblem(MembraneProblem):
+class PearlProblem(Collocated, MembraneProblem):
     """Pearls on a mesh, as ``continuation`` takes them: ``residual(u) = 0`` is a curve.
 
     Attributes:
@@ -121,18 +121,6 @@ class PearlProblem(MembraneProblem):
     def poles(self, u: Array) -> dict[str, float]:
         """Functions at whose zeros growth rates pass through infinity: ``cmc``, constant mean curvature."""
         return {"cmc": float(self.discretization.all_parameters(u)[1])} if self.in_large_chart else {}
-
-    def residual(self, u: Array) -> Array:
-        """Defects, boundary conditions and constraints at ``u``."""
-        return self.discretization.residual(u)
-
-    def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
-        """Bordered solve of the residual's Jacobian at ``u``; see ``Discretization.solve``."""
-        return self.discretization.solve(u, rhs, row)
-
-    def inner(self, u: Array, v: Array) -> float:
-        """Inner product that does not depend on the mesh."""
-        return self.discretization.inner(u, v)
 
     def observables(self, u: Array) -> dict[str, float]:
         """``lambda1, lambda2, v, E, amplitude, r_min, r_max, c0, L, M, force``; ``E`` is by area, ``L`` the whole tube's."""

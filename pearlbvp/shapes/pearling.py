@@ -79,11 +79,11 @@ def pearl_start(tube: Tube, mode: WaveNumbers, held: Held, tolerance: float | No
     """
     m, n = mode
     if n != 0 or m < 1:
-        raise InputError(f"mode: pearls have n = 0, so {m},{n} is none of them; give {max(m, 1)},0")
+        raise InputError("mode", f"pearls have n = 0, so {m},{n} is none of them", f"give {max(m, 1)},0")
     onset_lambda2(tube, m, 0)
     if tube.length / m > LONGEST:
-        text = f"length: pearls of period {{period:g}} are longer than {LONGEST:g} radii; take more of them"
-        raise InputError(Sentence(text, period=tube.length / m))
+        text = f"pearls of period {{period:g}} are longer than {LONGEST:g} radii"
+        raise InputError("length", Sentence(text, period=tube.length / m), "take more of them")
     problem, u, direction = pearling_onset(tube, m, tolerance=checked_tolerance(tolerance, 1e-9))
     return replace(problem, held=held), u, direction
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation import Discretization, equidistribute, error_estimate, gauss_scheme, intervals_for
+from pearlbvp.collocation import Collocated, Discretization, equidistribute, error_estimate, gauss_scheme, intervals_for
 from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.continuation.problem import LiftError
 from pearlbvp.continuation.spectrum import Spectrum
@@ -44,7 +44,7 @@ RESOLVED = 1e-4
 
 
 @dataclass(frozen=True)
-class RingProblem(MembraneProblem):
+class RingProblem(Collocated, MembraneProblem):
     """Rings of ``n`` lobes on a mesh, as ``continuation`` takes them: ``residual(u) = 0`` is a curve.
 
     Attributes:
@@ -82,18 +82,6 @@ class RingProblem(MembraneProblem):
     def repeats(self) -> tuple[int, int]:
         """No periods, and the lobes."""
         return 0, self.n
-
-    def residual(self, u: Array) -> Array:
-        """Defects, boundary conditions and the virial at ``u``."""
-        return self.discretization.residual(u)
-
-    def solve(self, u: Array, rhs: Array, row: Array | None = None) -> Array:
-        """Bordered solve of the residual's Jacobian at ``u``; see ``Discretization.solve``."""
-        return self.discretization.solve(u, rhs, row)
-
-    def inner(self, u: Array, v: Array) -> float:
-        """Inner product that does not depend on the mesh."""
-        return self.discretization.inner(u, v)
 
     def profile(self, u: Array) -> PlaneProfile:
         """The section, for ``stability`` and pictures."""
@@ -272,7 +260,7 @@ class RingProblem(MembraneProblem):
             if isinstance(error, LiftError):
                 raise
             raise InputError(
-                f"switch: at v = {u[-1]:.4f} the ring is not star-shaped about its centre, as tubes need it"
+                "switch", f"at v = {u[-1]:.4f} the ring is not star-shaped about its centre, as tubes need it"
             ) from None
 
     def radius_cosines(self, u: Array, count: int) -> Array:
@@ -378,7 +366,7 @@ def ring_start(tube: Tube, mode: WaveNumbers, held: Held, tolerance: float | Non
     """
     m, n = mode
     if m != 0:
-        raise InputError(f"mode: rings do not depend on x, so {m},{n} is none of them; give 0,{max(n, 2)}")
+        raise InputError("mode", f"rings do not depend on x, so {m},{n} is none of them", f"give 0,{max(n, 2)}")
     return ring_onset(tube, n, tolerance=checked_tolerance(tolerance, 1e-10), held=held)
 
 

@@ -68,7 +68,7 @@ class Profile:
         """
         if not self.is_graph:
             raise InputError(
-                "point: its shape overhangs, so it is no graph over its axis; choose one nearer to the cylinder"
+                "point", "its shape overhangs, so it is no graph over its axis", "choose one nearer to the cylinder"
             )
         whole, (places, _) = self.mirrored(), self.outline()
         along = PiecewisePolynomial(whole.states.mesh, places[:, None])

@@ -166,8 +166,8 @@ def predicted_branch(
     points = whole("points", points, 2)
     end = equation.at(family, largest)
     if end["v"] <= 0 or end["r_min"] <= 0:
-        text = f"largest: at A = {{A:g}} the predicted {family} has no volume or no radius; go less far"
-        raise InputError(Sentence(text, A=largest))
+        text = f"at A = {{A:g}} the predicted {family} has no volume or no radius"
+        raise InputError("largest", Sentence(text, A=largest), "go less far")
     problem, own = Prediction(equation, family), equation.own_rate(family)
     others = {Wave(f"m={m} n={n}", count): np.array([rate]) for (m, n), count, rate in _other_modes(equation)}
     itself = Wave("own", 2 if family == "coil" else 1)
@@ -210,26 +210,26 @@ def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -
 
     missing = [name for name in ("v", *COMPARED) if name not in table]
     if missing:
-        raise InputError(f"compare: the table has no column {', '.join(missing)}; give that of a branch")
+        raise InputError("compare", f"the table has no column {', '.join(missing)}", "give that of a branch")
     for name, value in (("c0", equation.tube.c0), ("L", equation.tube.length)):
         if name in table and (np.abs(table[name] - value) > 1e-6 * (1 + abs(value))).any():
-            found = Sentence(f"compare: the table is of {name} = {{{name}:g}}", **{name: table[name].iloc[0]})
-            wanted = Sentence(f", not {{{name}:g}}; give that of this tube", **{name: value})
-            raise InputError(Sentence.joined(found, wanted))
+            found = Sentence(f"the table is of {name} = {{{name}:g}}", **{name: table[name].iloc[0]})
+            wanted = Sentence(f", not {{{name}:g}}", **{name: value})
+            raise InputError("compare", found + wanted, "give that of this tube")
     start = table[(table["v"] - 1).abs() < 1e-9]
     if len(start) and abs(start["lambda2"].iloc[0] - equation.lambda2) > 1e-6 * (1 + abs(equation.lambda2)):
         found = Sentence(
-            "compare: the table's branch leaves the cylinder at lambda2 = {lambda2:.6g}",
+            "the table's branch leaves the cylinder at lambda2 = {lambda2:.6g}",
             lambda2=start["lambda2"].iloc[0],
         )
-        text = f", mode ({equation.m},{equation.n}) at {{lambda2:.6g}}; give that of this mode"
-        raise InputError(Sentence.joined(found, Sentence(text, lambda2=equation.lambda2)))
+        wanted = Sentence(f", mode ({equation.m},{equation.n}) at {{lambda2:.6g}}", lambda2=equation.lambda2)
+        raise InputError("compare", found + wanted, "give that of this mode")
     cylinder = equation.at(family, 0.0)
     A = np.array([equation.amplitude_at(family, v) for v in table["v"]])
     chosen = A > 1e-6
     if not chosen.any():
         side = "above" if equation.a < 0 else "below"
-        raise InputError(f"compare: the table has no point with v {side} 1, where the {family} branch is")
+        raise InputError("compare", f"the table has no point with v {side} 1, where the {family} branch is")
     A, rows = A[chosen], table[chosen]
     predicted = pd.DataFrame([equation.at(family, float(a)) | {WAVE: 2 * float(a)} for a in A])
     cylinder[WAVE] = 0.0
@@ -293,7 +293,7 @@ def _instabilities(tube: Tube) -> dict[str, Any]:
         try:
             equation = amplitude_equation(tube, mode)
         except InputError as error:
-            row["message"] = error.args[0]
+            row["message"] = str(error)
             continue
         row[f"{end}_criticality"] = criticality(equation)
         if end == "upper":

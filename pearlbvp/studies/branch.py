@@ -96,23 +96,26 @@ def branch_options(
         InputError: an argument that cannot be used.
     """
     if not isinstance(until, Mapping | None):
-        raise InputError(f"until: {until!r} must be a mapping; give one like {{'v': 1.1}} or {{'bp': 1}}")
+        raise InputError("until", f"{until!r} must be a mapping", "give one like {'v': 1.1} or {'bp': 1}")
     wanted = {name: finite(f"until {name}", value) for name, value in (until or {}).items()}
     special = {kind: _number(kind, wanted.pop(kind)) for kind in list(wanted) if kind in SPECIAL}
     for name in wanted:
         if name not in STOPS:
             raise InputError(
-                f"until: a branch cannot stop at a value of {name!r}; choose one of {', '.join(STOPS)}, or one of the special "
-                "points bp, cmc, fold:NAME"
+                "until",
+                f"a branch cannot stop at a value of {name!r}",
+                f"choose one of {', '.join(STOPS)}, or one of the special points bp, cmc, fold:NAME",
             )
     max_points, max_step = whole("max_points", max_points, 2), finite("max_step", max_step)
     if not max_step > 1e-6:
-        raise InputError(f"max_step: {max_step:g} must be above 1e-6; give one like 0.5")
+        raise InputError("max_step", f"{max_step:g} must be above 1e-6", "give one like 0.5")
     if step is None:
         step = min(0.1, max_step)
     step = finite("step", step)
     if not 1e-6 < step <= max_step:
-        raise InputError(f"step: {step:g} must be above 1e-6 and not above max_step = {max_step:g}; give one between")
+        raise InputError(
+            "step", f"{step:g} must be above 1e-6 and not above max_step = {max_step:g}", "give one between"
+        )
 
     path = PathOptions(step=step, max_step=max_step, max_points=max_points)
     return BranchOptions(path=path, until=wanted, until_special=special, progress=progress, locating=locating)
@@ -128,7 +131,7 @@ def known_options(options: BranchOptions | None) -> BranchOptions:
         return branch_options()
     if not isinstance(options, BranchOptions):
         raise InputError(
-            f"options: {type(options).__name__} must be options of a branch; make them by branch_options(...)"
+            "options", f"{type(options).__name__} must be options of a branch", "make them by branch_options(...)"
         )
     return options
 
@@ -141,7 +144,7 @@ def known_branch(branch: Branch[Any]) -> Branch[Any]:
     """
     if not isinstance(branch, Branch):
         raise InputError(
-            f"branch: {type(branch).__name__} must be a branch; follow one, or load it by studies.saved.load(...)"
+            "branch", f"{type(branch).__name__} must be a branch", "follow one, or load it by studies.saved.load(...)"
         )
     return branch
 
@@ -153,7 +156,9 @@ def known_point(point: Solution[Any]) -> Solution[Any]:
         InputError: it is none, but its number, say.
     """
     if not isinstance(point, Solution):
-        raise InputError(f"point: {type(point).__name__} must be a point of a branch; give one like branch.points[-1]")
+        raise InputError(
+            "point", f"{type(point).__name__} must be a point of a branch", "give one like branch.points[-1]"
+        )
     return point
 
 
@@ -164,7 +169,7 @@ def _number(kind: str, value: float) -> int:
         InputError: it is no whole number from 1 on.
     """
     if value != int(value) or value < 1:
-        raise InputError(f"until: {value:g} is no number of a {kind}; count them from 1")
+        raise InputError("until", f"{value:g} is no number of a {kind}", "count them from 1")
     return int(value)
 
 
@@ -214,14 +219,14 @@ def family_branch(
     nodes = None if nodes is None else whole("nodes", nodes)
     if nodes is not None:
         if tolerance is not None:
-            raise InputError("tolerance: meshes have none; leave it or nodes out")
+            raise InputError("tolerance", "meshes have none", "leave it or nodes out")
         problem, u, direction = _on_a_mesh(tube, family, mode, nodes, discretization or "subdivision", held, adapt)
     elif discretization == "modes":
         problem, u, direction = _in_modes(family)(tube, mode, held, tolerance)
     elif discretization is None:
         problem, u, direction = families.family(family).start(tube, mode, held, tolerance)
     else:
-        raise InputError(f"discretization: {discretization} goes with a mesh; give its number of nodes, too")
+        raise InputError("discretization", f"{discretization} goes with a mesh", "give its number of nodes, too")
     exact = straight_values(tube, float(critical_lambda2(tube.wave_number(mode[0]), mode[1], tube.c0)))
     held.check(exact | {"c0": tube.c0, "L": tube.length})
     start = Solution.along(problem, u, direction)
@@ -237,7 +242,7 @@ def _in_modes(family: str) -> Callable[[Tube, WaveNumbers, Held, float | None], 
     from pearlbvp.tube.onset import IN_MODES
 
     if family not in IN_MODES:
-        raise InputError(f"discretization: {family} has no reduced modes; leave it out")
+        raise InputError("discretization", f"{family} has no reduced modes", "leave it out")
     return IN_MODES[family]
 
 

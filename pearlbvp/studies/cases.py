@@ -65,39 +65,46 @@ class Case:
         """
         for name in NEEDED:
             if not 0 < row[name] < math.inf:
-                raise InputError(f"{name}: it is missing, or no number above 0; give one")
+                raise InputError(name, "it is missing, or no number above 0", "give one")
         if not COLDEST < row["temperature"] < HOTTEST:
             raise InputError(
-                f"temperature: no membrane is in water at {row['temperature']:g} K; give it in K, like 310"
+                "temperature", f"no membrane is in water at {row['temperature']:g} K", "give it in K, like 310"
             )
         if not math.isfinite(row["tension"]):
-            raise InputError("tension: it is missing; give a number")
+            raise InputError("tension", "it is missing", "give a number")
         if row["measured"] <= 0:
-            raise InputError("measured: no bead has a diameter of 0 or less; leave it empty where there is none")
+            raise InputError("measured", "no bead has a diameter of 0 or less", "leave it empty where there is none")
         rigidity, c0, given = row["kappa"] * CONVENTIONS[convention], row["c0"], row["radius"]
         ratio = row["tension"] / rigidity
         if math.isnan(c0):
             if not given > 0:
-                raise InputError("radius: it is missing, and so is c0; give one of the two")
+                raise InputError("radius", "it is missing, and so is c0", "give one of the two")
             if 1 / (4 * given**2) < ratio:
                 most = rigidity / (4 * given**2)
                 raise InputError(
-                    f"tension: {row['tension'] * 1e3:g} mN/m is above {most * 1e3:.4g} mN/m, beyond which no spontaneous "
-                    "curvature makes this radius that of the straight tube without a pressure; give less, or c0"
+                    "tension",
+                    f"{row['tension'] * 1000.0:g} mN/m is above {most * 1000.0:.4g} mN/m, beyond "
+                    "which no spontaneous curvature makes this radius that of the straight tube without "
+                    "a pressure",
+                    "give less, or c0",
                 )
             c0 = math.sqrt(1 / (4 * given**2) - ratio)
         elif c0**2 + ratio <= 0:
-            raise InputError("tension: no straight tube is in equilibrium without a pressure; give more, or another c0")
+            raise InputError(
+                "tension", "no straight tube is in equilibrium without a pressure", "give more, or another c0"
+            )
         unit = 1 / (2 * math.sqrt(c0**2 + ratio))
         if given > 0 and abs(given / unit - 1) > AGREE:
-            raise InputError(f"radius: by c0 and the tension it is {unit * 1e9:.6g} nm; give one of the two")
+            raise InputError(
+                "radius", f"by c0 and the tension it is {unit * 1000000000.0:.6g} nm", "give one of the two"
+            )
         reference = (given if given > 0 else unit) / unit
         pressure = unit**3 / rigidity / row["dilution"]
         tube = OsmoticTube(
             c0 * unit, row["solute"] * reference**2 * pressure, row["osmolarity"] * pressure, row["length"] / unit
         )
         if row["spacing"] > row["length"]:
-            raise InputError("spacing: it is longer than the tube; give less, or a longer one")
+            raise InputError("spacing", "it is longer than the tube", "give less, or a longer one")
         period = row["spacing"] / unit if row["spacing"] > 0 else None
         return cls(tube, period, row["measured"] / unit, unit, rigidity, reference)
 
@@ -123,7 +130,7 @@ def cases_of(table: pd.DataFrame, convention: Convention) -> Iterator[Case]:
         try:
             yield Case.of({name: float(values[i]) for name, values in columns.items()}, convention)
         except InputError as error:
-            raise InputError(f"CASES: row {i + 1}, {error}") from None
+            raise InputError("CASES", f"row {i + 1}, {error}") from None
 
 
 def _in_si(table: pd.DataFrame) -> dict[str, Array]:
@@ -137,15 +144,15 @@ def _in_si(table: pd.DataFrame) -> dict[str, Array]:
     for name, (dimension, usual) in KNOWN.items():
         headings = [str(heading) for heading in table if name_of(str(heading)).casefold() == name]
         if len(headings) > 1:
-            raise InputError(f"CASES: {name} is there twice, as {' and '.join(headings)}; leave one out")
+            raise InputError("CASES", f"{name} is there twice, as {' and '.join(headings)}", "leave one out")
         if not headings and name in ("tension", *NEEDED) and name not in USUAL:
-            raise InputError(f"CASES: there is no column of the {name}; give one, called {name}[{usual}]")
+            raise InputError("CASES", f"there is no column of the {name}", f"give one, called {name}[{usual}]")
         values = np.full(len(table), math.nan)
         for heading in headings:
             try:
                 values = table[heading].to_numpy(float)
             except (TypeError, ValueError):
-                raise InputError(f"CASES: the column {heading} holds what is no number; give numbers") from None
+                raise InputError("CASES", f"the column {heading} holds what is no number", "give numbers") from None
             factor, power = _unit(heading, dimension, usual)
             values = values * factor * (columns["temperature"] ** power if power else 1.0)
             if name == "temperature" and _in_degrees(heading):
@@ -173,7 +180,7 @@ def _unit(heading: str, dimension: Dimension, usual: str) -> tuple[float, int]:
     """
     unit = heading.partition("[")[2].removesuffix("]").strip()
     wrong = InputError(
-        f"CASES: the column {heading} has no unit of its quantity; write it like {name_of(heading)}[{usual}]"
+        "CASES", f"the column {heading} has no unit of its quantity", f"write it like {name_of(heading)}[{usual}]"
     )
     if dimension == NUMBER:
         if unit not in ("", usual) and not (usual == "K" and _in_degrees(heading)):

@@ -146,11 +146,11 @@ def diagram(
     tube = Tube(c0, length)
     depth, processes = whole("depth", depth, 0), whole("processes", processes, 0)
     if lambda2 is not None and modes is not None:
-        raise InputError("modes: modes and a range of lambda2 exclude each other; give one of the two")
+        raise InputError("modes", "modes and a range of lambda2 exclude each other", "give one of the two")
     wanted, held = _by_family(options), known_held(fix)
     primary = {_name(family, *mode): (family, mode) for family, mode in _primaries(tube, lambda2, modes)}
     if len(primary) > MOST_BRANCHES:
-        raise InputError(f"lambda2: {len(primary)} branches leave the cylinder there; take a shorter range or tube")
+        raise InputError("lambda2", f"{len(primary)} branches leave the cylinder there", "take a shorter range or tube")
     tasks: dict[str, _Task] = {
         name: (_primary, (tube, family, mode, wanted[family], held)) for name, (family, mode) in primary.items()
     }
@@ -202,7 +202,7 @@ def _by_family(options: Options) -> dict[str, BranchOptions]:
         return dict.fromkeys(known, options)
     if not isinstance(options, Mapping | None):
         raise InputError(
-            "options: they must be options of a branch, or a mapping of them by family; see branch_options(...)"
+            "options", "they must be options of a branch, or a mapping of them by family", "see branch_options(...)"
         )
     by_default = {name: branch_options({"v": volume}) for name, volume in ENDS.items()}
     for name in options or {}:
@@ -253,7 +253,7 @@ def _primary(tube: Tube, family: str, mode: WaveNumbers, options: BranchOptions,
     try:
         return family_branch(tube, family, mode, options, fix=held)
     except InputError as error:
-        return error.args[0]
+        return str(error)
 
 
 def _secondary(
@@ -263,7 +263,7 @@ def _secondary(
     try:
         return switched(branch, number, options, centre=centre, grow=grow)
     except InputError as error:
-        return error.args[0]
+        return str(error)
 
 
 SHRINK = "shrink"

@@ -39,7 +39,9 @@ def branch_points(c0: float, length: float, max_m: int | None = None, max_n: int
         max_m = math.ceil(tube.length / (2 * math.pi)) + 1
     max_m, max_n = whole("max_m", max_m, 0), whole("max_n", max_n, 0)
     if (max_m + 1) * (max_n + 1) > MOST_ROWS:
-        raise InputError(f"max_m: {(max_m + 1) * (max_n + 1)} branch points are too many to list; give a smaller max_m")
+        raise InputError(
+            "max_m", f"{(max_m + 1) * (max_n + 1)} branch points are too many to list", "give a smaller max_m"
+        )
     interval = stable_interval(tube)
     roles = {interval.upper_mode: "upper"} | ({interval.lower_mode: "lower"} if interval.lower_mode else {})
     modes = {(m, n) for m in range(max_m + 1) for n in range(max_n + 1)} | set(roles)

@@ -30,7 +30,7 @@ def normal_displacement(point: Solution[Any]) -> Array:
     shapes = point.problem.shapes
     here, ahead, behind = (shapes.to_draw(point.u + s * point.tangent) for s in (0.0, DIFFERENCE, -DIFFERENCE))
     if isinstance(here, PeriodicMesh):
-        raise InputError("point: a shape on a mesh has no grid; take one that was computed without a mesh")
+        raise InputError("point", "a shape on a mesh has no grid", "take one that was computed without a mesh")
     X, moved = np.stack(here, axis=-1), (np.stack(ahead, axis=-1) - np.stack(behind, axis=-1)) / (2 * DIFFERENCE)
     normal = np.cross(np.gradient(X, axis=0), _around(X))
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)

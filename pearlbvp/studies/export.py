@@ -42,7 +42,7 @@ def stored(branch: Branch[Any], name: str) -> tuple[int, str]:
     last, name = len(known_branch(branch).points) - 1, str(name)
     if name.lstrip("+-").isdigit():
         if not -last - 1 <= int(name) <= last:
-            raise InputError(f"point: there is no point {int(name)}; the branch has points 0 to {last}")
+            raise InputError("point", f"there is no point {int(name)}", f"the branch has points 0 to {last}")
         return int(name) % (last + 1), ""
     column, equals, text = name.partition("=")
     if not equals:
@@ -50,13 +50,16 @@ def stored(branch: Branch[Any], name: str) -> tuple[int, str]:
         if place is None:
             kinds = ", ".join(dict.fromkeys(special.kind for special in branch.special))
             raise InputError(
-                f"point: {name!r} is no point of this branch; give a number, NAME=VALUE like v=1.02, or one of its special "
-                f"points ({kinds}; bp:2 is the second)"
+                "point",
+                f"{name!r} is no point of this branch",
+                f"give a number, NAME=VALUE like v=1.02, or one of its special points ({kinds}; bp:2 is the second)",
             )
         return place, ""
     column, value = column.strip(), finite("point", text)  # type: ignore[arg-type]
     if column not in STOPS:
-        raise InputError(f"point: {column!r} is no column with numbers of a shape; choose one of {', '.join(STOPS)}")
+        raise InputError(
+            "point", f"{column!r} is no column with numbers of a shape", f"choose one of {', '.join(STOPS)}"
+        )
 
     def said(text: str, number: float) -> Sentence:
         return Sentence(text.replace("{column}", column).replace("{value", f"{{{column}"), **{column: number})
@@ -65,13 +68,12 @@ def stored(branch: Branch[Any], name: str) -> tuple[int, str]:
     at = _nearest(found, value)
     if at is None:
         known = [number for number in found if not math.isnan(number)]
-        raise InputError(
-            Sentence.joined(
-                said("point: {column} = {value:g}", value),
-                said(" is not reached on this branch, where it goes from {value:.6g}", min(known)),
-                said(" to {value:.6g}; give a value between, or follow the branch further", max(known)),
-            )
+        what = Sentence.joined(
+            said("{column} = {value:g}", value),
+            said(" is not reached on this branch, where it goes from {value:.6g}", min(known)),
+            said(" to {value:.6g}", max(known)),
         )
+        raise InputError("point", what, "give a value between, or follow the branch further")
     if abs(found[at] - value) <= SAME_VALUE * (1 + abs(value)):
         return at, ""
     return at, Sentence.joined(

@@ -50,7 +50,9 @@ def falls_to(piece: Piece, upper: bool, unstable: Sequence[Piece], stretches: Se
     if start is None:
         return []
     if isinstance(start.problem, PearlProblem) and start.spectrum.critical.n:
-        raise InputError(f"flow: the perturbation {start.spectrum.critical} is not axisymmetric; let it flow on a mesh")
+        raise InputError(
+            "flow", f"the perturbation {start.spectrum.critical} is not axisymmetric", "let it flow on a mesh"
+        )
     names: dict[str, None] = {}
     for push in (PUSH, -PUSH):
         name = _named(_at_rest(start, push), [piece, *stretches])

@@ -32,7 +32,7 @@ def register(family: Family) -> None:
         InputError: its name is taken.
     """
     if family.name in ROOMS or _added.get(family.name, family) is not family:
-        raise InputError(f"family: there is a {family.name!r} already; give another name")
+        raise InputError("family", f"there is a {family.name!r} already", "give another name")
     _added[family.name] = family
 
 
@@ -48,7 +48,7 @@ def family(name: str) -> Family:
         InputError: there is none.
     """
     if name not in tuple(names()):
-        raise InputError(f"family: {name!r} is none; choose one of {', '.join(names())}")
+        raise InputError("family", f"{name!r} is none", f"choose one of {', '.join(names())}")
     if name in ROOMS:
         return next(found for found in import_module(ROOMS[name]).FAMILIES if found.name == name)
     if name not in _added:

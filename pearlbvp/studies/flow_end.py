@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.path import correct_at
+from pearlbvp.continuation.problem import P, Problem
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
@@ -37,6 +38,7 @@ from pearlbvp.tube.symmetry import TubeSymmetry
 from pearlbvp.units import Units
 
 if TYPE_CHECKING:
+    from pearlbvp.flows.mesh import MeshFlow
     from pearlbvp.mesh.problem import MeshProblem
 
 FEWEST_WAVES = 8
@@ -48,8 +50,9 @@ ROUNDING = 1e-11
 """Relative differences of areas that are rounding: constraints are kept to 1e-14 of each step."""
 
 STRAIGHT = (
-    "flow: its end is the straight tube, where branches cross and tension and pressure are not told apart; "
-    "pearlbvp dispersion has its stability"
+    "flow",
+    "its end is the straight tube, where branches cross and tension and pressure are not told apart",
+    "pearlbvp dispersion has its stability",
 )
 
 
@@ -62,7 +65,7 @@ def recognized(end: Equilibrium) -> StandardPosition:
     _check(end)
     if not isinstance(end.problem, TubeFlow):
         raise InputError(
-            "flow: its end is no tube in reduced modes, of which alone symmetries are recognized; see solution_of"
+            "flow", "its end is no tube in reduced modes, of which alone symmetries are recognized", "see solution_of"
         )
     return standard_position(end.problem.known(end.q), end.problem.length)
 
@@ -72,7 +75,7 @@ def described(end: Equilibrium) -> str:
     if isinstance(end.problem, GraphFlow):
         return "an axisymmetric tube"
     if not isinstance(end.problem, TubeFlow):
-        return f"a triangulated tube of {end.problem.reference.mesh.count} nodes"
+        return f"a triangulated tube of {_on_mesh(end).reference.mesh.count} nodes"
     position = recognized(end)
     hand = {1: "right-handed ", -1: "left-handed ", 0: ""}[position.handedness]
     return {
@@ -106,7 +109,7 @@ def solution_of(end: Equilibrium, unlike: float = UNLIKE) -> tuple[PearlProblem 
         return _meshes(end)
     position = recognized(end)
     if position.family == "cylinder":
-        raise InputError(STRAIGHT)
+        raise InputError(*STRAIGHT)
     if position.family == "pearl":
         cosines = [position.known.get(Mode("sigma", p), 0.0) for p in range(end.problem.size[0] + 1)]
         pearls, u = _pearls(end, np.array(cosines), 1e-10)
@@ -126,7 +129,7 @@ def similarity(end: Equilibrium) -> Units:
 
 def _check(end: Equilibrium) -> None:
     if not end.converged:
-        raise InputError("flow: its last shape is no equilibrium; let it rest first")
+        raise InputError("flow", "its last shape is no equilibrium", "let it rest first")
 
 
 def _tubes(
@@ -145,7 +148,7 @@ def _tubes(
     problem, u = resolved(problem, u)
     energy = problem.observables(u)["E"]
     if abs(energy - similar.from_user("E", found["E"])) > unlike * abs(energy):
-        raise InputError("flow: Newton's method left its end for another equilibrium; let it flow on more modes")
+        raise InputError("flow", "Newton's method left its end for another equilibrium", "let it flow on more modes")
     return problem, u
 
 
@@ -155,7 +158,7 @@ def _parameters(found: Mapping[str, float], similar: Units) -> Array:
     return np.array([*multipliers, similar.from_user("volume_by_length", found["v"])])
 
 
-def resolved(problem: Any, u: Array) -> tuple[Any, Array]:
+def resolved(problem: P, u: Array) -> tuple[P, Array]:
     """The solution on as many modes, or as fine a mesh, as it needs, at its reduced volume."""
     for _ in range(MOST_REMESHES):
         changed = problem.remesh(u)
@@ -166,14 +169,19 @@ def resolved(problem: Any, u: Array) -> tuple[Any, Array]:
     return problem, u
 
 
+def _on_mesh(end: Equilibrium) -> MeshFlow:
+    """The flow of triangulated tubes that ended so: the one kind that is left where it is none of the other two."""
+    return cast("MeshFlow", end.problem)
+
+
 def _meshes(end: Equilibrium) -> tuple[MeshProblem, Array]:
     """The similar surface of area ``2 pi L`` on the same triangles, by Newton's method at its reduced volume."""
     from pearlbvp.mesh.problem import about  # the room of meshes is large, and only meshes need it
     from pearlbvp.mesh.start import solved
 
-    flow, found = end.problem, end.observables
+    flow, found = _on_mesh(end), end.observables
     if found["amplitude"] < SMALLEST_AMPLITUDE:
-        raise InputError(STRAIGHT)
+        raise InputError(*STRAIGHT)
     similar, reference = similarity(end), flow.reference
     mesh = similar.surface_from_user(replace(reference.mesh, vertices=flow.vertices(end.q)))
     c0, parameters = similar.from_user("c0", reference.c0), _parameters(found, similar)
@@ -191,7 +199,7 @@ def _size(known: Mapping[Mode, float], symmetry: TubeSymmetry) -> tuple[int, int
     return int(along), int(around)
 
 
-def _at_its_volume(problem: Any, u: Array) -> Array:
+def _at_its_volume(problem: Problem, u: Array) -> Array:
     """Newton's method at fixed reduced volume.
 
     Raises:
@@ -200,8 +208,9 @@ def _at_its_volume(problem: Any, u: Array) -> Array:
     result, _ = correct_at(problem, u, NewtonOptions(max_iterations=15))
     if not result.converged:
         raise InputError(
-            f"flow: its end led to no equilibrium among shapes of its symmetry ({result.message}); let it flow on more "
-            "points or modes"
+            "flow",
+            f"its end led to no equilibrium among shapes of its symmetry ({result.message})",
+            "let it flow on more points or modes",
         )
     return result.u
 
@@ -224,13 +233,15 @@ def pearls_of(end: Equilibrium, tolerance: float = 1e-10) -> tuple[PearlProblem,
         InputError: the shape has no plane of reflection, or Newton's method fails.
     """
     graph = end.problem
+    if not isinstance(graph, GraphFlow):
+        raise InputError("flow", "its end is no axisymmetric graph", "see solution_of")
     fine = replace(graph, points=min(1024, 4 * graph.points))
     middle = _plane(graph, end.q)
     r = np.sqrt(2 * graph.interpolated(end.q, fine.x + fine.length / 2 + middle))
     waves = np.fft.rfft(r) / fine.points
     if np.abs(waves.imag).max() > 1e-6:
         raise InputError(
-            "flow: its end has no plane of reflection, which a branch of pearls needs; continue another end"
+            "flow", "its end has no plane of reflection, which a branch of pearls needs", "continue another end"
         )
     cosines = 2 * waves.real[: graph.points // 2]
     cosines[0] /= 2
@@ -243,12 +254,12 @@ def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlPr
     similar = similarity(end)
     pearls = int(np.gcd.reduce(np.flatnonzero(np.abs(cosines) > NEGLIGIBLE)))  # equal ones, on the whole tube
     if pearls == 0:
-        raise InputError(STRAIGHT)
+        raise InputError(*STRAIGHT)
     tube = similar.tube(end.problem.c0, end.problem.length / pearls)
     v, cosines = similar.from_user("volume_by_length", found["v"]), similar.from_user("r", cosines[::pearls])
     problem, u, why = pearl_of_graph(tube, v, cosines, tolerance=tolerance)
     if why:
-        raise InputError(f"flow: its end led to no equilibrium of the arclength problem ({why})")
+        raise InputError("flow", f"its end led to no equilibrium of the arclength problem ({why})")
     return resolved(replace(problem, cells=pearls), u)
 
 
@@ -285,13 +296,15 @@ def end_point(result: FlowResult, *, upwards: bool = True) -> Solution[Any]:
         InputError: the flow did not come to rest, or its end is no point of a branch.
     """
     if result.equilibrium is None or not result.equilibrium.converged:
-        raise InputError(f"flow: it ended as {result.status!r} and is no equilibrium; let it rest first")
+        raise InputError("flow", f"it ended as {result.status!r} and is no equilibrium", "let it rest first")
     problem, u = solution_of(result.equilibrium)
     direction = _by_volume(u) if upwards else -_by_volume(u)
     try:
         return Solution.along(problem, u, tangent_along(problem, u, direction))
     except np.linalg.LinAlgError:
-        raise InputError("flow: its end is just where volume turns along its branch; let another shape flow") from None
+        raise InputError(
+            "flow", "its end is just where volume turns along its branch", "let another shape flow"
+        ) from None
 
 
 def continued(result: FlowResult, options: BranchOptions | None = None, *, upwards: bool = True) -> Branch[Any]:

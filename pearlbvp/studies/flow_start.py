@@ -14,7 +14,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.flows.axisymmetric import GraphFlow
 from pearlbvp.flows.driver import FlowOptions, constrained, flow
 from pearlbvp.flows.perturbation import along_critical, bump
-from pearlbvp.flows.problem import Law
+from pearlbvp.flows.problem import FlowProblem, Law
 from pearlbvp.flows.record import FlowResult
 from pearlbvp.flows.steady import polished
 from pearlbvp.flows.tube import TubeFlow
@@ -40,7 +40,7 @@ class FlowStart:
 
     __repr__ = brief
 
-    problem: Any
+    problem: FlowProblem
     q: Array
     multipliers: Array
 
@@ -59,10 +59,10 @@ class FlowStart:
             InputError: an argument that cannot be used, or the surface closes.
         """
         if kind not in get_args(Perturbation):
-            raise InputError(f"perturb: {kind!r} is none of {', '.join(get_args(Perturbation))}")
+            raise InputError("perturb", f"{kind!r} is none of {', '.join(get_args(Perturbation))}")
         delta = finite("delta", delta)
         if not xi >= 0:
-            raise InputError("xi: it must not be negative, or the bump is infinite somewhere; give 0 or more")
+            raise InputError("xi", "it must not be negative, or the bump is infinite somewhere", "give 0 or more")
         if kind == "none":
             return self.q
         if kind == "bump":
@@ -99,7 +99,9 @@ def pearl_start(problem: PearlProblem, u: Array, *, points: int = 128, law: Law 
             break
         finer = graph.refined(q)
         if finer is None:
-            raise InputError(f"point: {graph.points} points do not resolve its shape; choose one with a thicker neck")
+            raise InputError(
+                "point", f"{graph.points} points do not resolve its shape", "choose one with a thicker neck"
+            )
         graph = finer[0]
     # Interpolation leaves some 1e-10 of the area and volume that the branch has exactly.
     kept = np.array([1.0, found["v"] / 2])
@@ -175,7 +177,7 @@ def _settled(tube: TubeFlow, q: Array, found: Mapping[str, float]) -> FlowStart:
         return FlowStart(tube, q, multipliers)
     there = polished(tube, q, multipliers, kept)
     if not there.converged or abs(there.observables["E"] - found["E"]) > UNLIKE * found["E"]:
-        raise InputError(f"size: {tube.size[0]} x {tube.size[1]} modes do not hold a branch's shape; take more")
+        raise InputError("size", f"{tube.size[0]} x {tube.size[1]} modes do not hold a branch's shape", "take more")
     return FlowStart(tube, there.q, there.multipliers)
 
 

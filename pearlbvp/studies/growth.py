@@ -73,7 +73,9 @@ def growth(
     along = _wave_numbers(tube, wave_numbers, max_m, shortest_wave(lambda2, c0))
     around = range(whole("max_n", max_n, 0) + 1)
     if along.size * len(around) > MOST_ROWS:
-        raise InputError(f"max_n: {along.size * len(around)} waves are too many to list; give a smaller max_n or max_m")
+        raise InputError(
+            "max_n", f"{along.size * len(around)} waves are too many to list", "give a smaller max_n or max_m"
+        )
     waves = {n: along[along > 0] if n < 2 else along for n in around}  # others are no waves
     fastest = _fastest(lambda2, c0, fluids, tube)
     if fastest is not None:
@@ -169,18 +171,17 @@ def known_tension(c0: float, tension: float) -> tuple[float, float, float]:
     """
     c0, tension = finite("c0", c0), finite("tension", tension)
     if abs(c0) > LARGEST_C0:
-        raise InputError(f"c0: {c0:g} is beyond {LARGEST_C0:g} in units of 1/radius; check its unit")
+        raise InputError("c0", f"{c0:g} is beyond {LARGEST_C0:g} in units of 1/radius", "check its unit")
     if abs(tension) > LARGEST_TENSION:
-        raise InputError(f"tension: {tension:g} is beyond {LARGEST_TENSION:g} in units of 2 kappa/R^2; check its unit")
+        raise InputError(
+            "tension", f"{tension:g} is beyond {LARGEST_TENSION:g} in units of 2 kappa/R^2", "check its unit"
+        )
     lambda2 = 0.25 - tension - c0**2
     if lambda2 > LARGEST_PRESSURE:
         raise InputError(
-            Sentence.joined(
-                Sentence(
-                    "tension: at {tension:g} more waves around the tube grow than can be listed; ", tension=tension
-                ),
-                Sentence("give more than {tension:.6g}", tension=0.25 - LARGEST_PRESSURE - c0**2),
-            )
+            "tension",
+            Sentence("at {tension:g} more waves around the tube grow than can be listed", tension=tension),
+            Sentence("give more than {tension:.6g}", tension=0.25 - LARGEST_PRESSURE - c0**2),
         )
     return c0, tension, lambda2
 
@@ -207,19 +208,19 @@ def _wave_numbers(
     """
     if tube is not None:
         if wave_numbers is not None:
-            raise InputError("wave_numbers: a tube of a given length has its own; leave one of the two out")
+            raise InputError("wave_numbers", "a tube of a given length has its own", "leave one of the two out")
         max_m = math.floor(largest / tube.wave_number(1)) if max_m is None else whole("max_m", max_m, 0)
         if max_m > MOST_ROWS:
-            raise InputError(f"max_m: {max_m} waves are too many to list; give a smaller max_m")
+            raise InputError("max_m", f"{max_m} waves are too many to list", "give a smaller max_m")
         return tube.wave_number(1) * np.arange(max_m + 1, dtype=np.float64)
     if max_m is not None:
-        raise InputError("max_m: it goes with a length; give that, or wave_numbers instead")
+        raise InputError("max_m", "it goes with a length", "give that, or wave_numbers instead")
     if wave_numbers is None:
         return largest * np.linspace(0, 1, 31, dtype=np.float64)
     given = np.array(as_numbers("wave_numbers", wave_numbers), dtype=np.float64)
     if given.min() < 0 or given.max() > LARGEST_WAVE_NUMBER:
         raise InputError(
-            f"wave_numbers: there are some that are negative or beyond {LARGEST_WAVE_NUMBER:g}; leave them out"
+            "wave_numbers", f"there are some that are negative or beyond {LARGEST_WAVE_NUMBER:g}", "leave them out"
         )
     return given
 

@@ -220,7 +220,9 @@ def _wave_around_before(waves: list[Solution[PearlProblem]], v_end: float, pearl
 def check_pearls(pearls: int, fewest: int) -> None:
     """Raise InputError unless ``pearls`` is a whole number from ``fewest`` on."""
     if pearls != int(pearls) or pearls < fewest:
-        raise InputError(f"pearls: {pearls} must be a whole number from {fewest} on; trace(fewest=...) goes further")
+        raise InputError(
+            "pearls", f"{pearls} must be a whole number from {fewest} on", "trace(fewest=...) goes further"
+        )
 
 
 def check_period(period: float) -> float:
@@ -231,13 +233,11 @@ def check_period(period: float) -> float:
     """
     period = positive("period", period)
     if period <= 2 * math.pi:
-        raise InputError(
-            Sentence(
-                "period: {period:g} is not above 2 pi = 6.283 radii (a wave number of 1/radius or more), and such pearls end "
-                "no stable interval from below; take a longer period",
-                period=period,
-            )
+        text = (
+            "{period:g} is not above 2 pi = 6.283 radii (a wave number of 1/radius or more), and such pearls end no stable "
+            "interval from below"
         )
+        raise InputError("period", Sentence(text, period=period), "take a longer period")
     return period
 
 
@@ -249,8 +249,8 @@ def pearls_on(length: float, period: float) -> int:
     """
     pearls = round(length / period)
     if pearls < 1 or abs(length - pearls * period) > 1e-9 * length:
-        text = "lengths: {L:g} {L_unit} is no multiple of the period {period:g}; the nearest is {length:.12g}"
-        raise InputError(Sentence(text, L=length, period=period, length=max(pearls, 1) * period))
+        what = Sentence("{L:g} {L_unit} is no multiple of the period {period:g}", L=length, period=period)
+        raise InputError("lengths", what, Sentence("the nearest is {length:.12g}", length=max(pearls, 1) * period))
     return pearls
 
 

@@ -53,7 +53,7 @@ def meshed(
     found = point.observables
     if found["amplitude"] < SMALLEST_AMPLITUDE:
         raise InputError(
-            "point: it is the straight tube, which is an equilibrium at any pressure; choose another point"
+            "point", "it is the straight tube, which is an equilibrium at any pressure", "choose another point"
         )
     held = point.problem.held if fix is None else known_held(fix)
     held.check(found)

@@ -47,7 +47,7 @@ def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     for name, (at, why) in last.problem.walls.items():
         if abs(last.value(name) - at) < WALL:
             raise InputError(
-                f"resume: the branch ends where {why.partition(';')[0]}, so nothing follows; branch off before"
+                "resume", f"the branch ends where {why.partition(';')[0]}, so nothing follows", "branch off before"
             )
     if len(branch.points) == 1 and branch.complete:  # where a flow ended: it has no direction yet
         branch = replace(branch, points=[_towards(last, options.until)])
@@ -64,7 +64,9 @@ def wanted_there(branch: Branch[Any], options: BranchOptions) -> SpecialPoint | 
     there = known_branch(branch).asked(options.until_special)
     if there is not None and not there.converged:
         raise InputError(
-            f"until: the {there.kind} at point {there.index} was not located; follow the branch in shorter steps (max_step)"
+            "until",
+            f"the {there.kind} at point {there.index} was not located",
+            "follow the branch in shorter steps (max_step)",
         )
     return there
 
@@ -85,7 +87,7 @@ def held_from(branch: Branch[Any], index: int, fix: str | Held | None) -> Branch
     held, point, points = known_held(fix), branch.points[index], list(branch.points)
     if not isinstance(point.problem, MembraneProblem):
         raise InputError(
-            "fix: a curve of special points keeps what is held; go on from the branch that it was found on"
+            "fix", "a curve of special points keeps what is held", "go on from the branch that it was found on"
         )
     held.check(point.observables)
     points[index] = replace(point, problem=point.problem.holding(held), known=None)
@@ -116,7 +118,7 @@ def varied(
     options: BranchOptions,
     *,
     keep: str = "v",
-    upwards: bool = True,
+    upwards: bool | None = None,
     fix: str | Held | None = None,
 ) -> Branch[Any]:
     """The branch through a point of another on which ``c0`` or the length changes.
@@ -127,7 +129,7 @@ def varied(
         vary: ``c0`` or ``L``.
         options: where to stop and how to step.
         keep: what stays as it is at that point: ``v`` or ``lambda2``.
-        upwards: whether ``vary`` is to grow at first.
+        upwards: whether ``vary`` is to grow at first; None: towards its value in ``options.until``, or growing.
         fix: what is held from there on while stability is judged, as ``family_branch`` takes it; by default what is already.
 
     Raises:
@@ -136,21 +138,28 @@ def varied(
     parameter, options, index = _varying(branch, vary), known_options(options), whole("point", index, -math.inf)
     choice("keep", keep, ("v", "lambda2"))
     if not -len(branch.points) <= index < len(branch.points):
-        raise InputError(f"point: there is no point {index}; the branch has points 0 to {len(branch.points) - 1}")
+        raise InputError("point", f"there is no point {index}", f"the branch has points 0 to {len(branch.points) - 1}")
     index %= len(branch.points)
     point = held_from(branch, index, fix).points[index]
     if point.observables["amplitude"] < 1e-9:
-        raise InputError(f"point: point {index} is the cylinder, where branches cross; choose a point further on")
+        raise InputError("point", f"point {index} is the cylinder, where branches cross", "choose a point further on")
     other = "lambda2" if keep == "v" else "v"
     problem, u = point.problem.freeing(point.u, "lambda1", other, parameter)
     direction = np.zeros_like(u)
-    direction[problem.place(parameter)] = 1.0 if upwards else -1.0
+    direction[problem.place(parameter)] = 1.0 if _growing(upwards, options, vary, point) else -1.0
     try:
         tangent = tangent_along(problem, u, direction)
     except np.linalg.LinAlgError:
-        raise InputError(f"vary: {vary} turns just at point {index}; start from a point beside it") from None
+        raise InputError("vary", f"{vary} turns just at point {index}", "start from a point beside it") from None
     options = replace(options, folds=(vary, *options.folds))
     return continue_branch(Solution.along(problem, u, tangent), options, at_bifurcation="bp" in branch.kinds(index))
+
+
+def _growing(upwards: bool | None, options: BranchOptions, vary: str, point: Solution[Any]) -> bool:
+    """Whether what varies is to grow at first: as asked, or towards its wanted value."""
+    if upwards is not None:
+        return upwards
+    return options.until.get(vary, math.inf) >= point.observables.get(vary, -math.inf)
 
 
 def _varying(branch: Branch[Any], vary: str) -> str:
@@ -163,8 +172,8 @@ def _varying(branch: Branch[Any], vary: str) -> str:
     if vary in tuple(problem.may_vary):  # what is no name is refused below
         return str(problem.may_vary[vary])
     if vary not in ("c0", "L"):
-        raise InputError(f"vary: {vary!r} cannot be varied; choose c0 or L (lambda2 and v vary on every branch)")
-    raise InputError(f"vary: {problem.why_fixed.format(name=vary)}")
+        raise InputError("vary", f"{vary!r} cannot be varied", "choose c0 or L (lambda2 and v vary on every branch)")
+    raise InputError("vary", problem.why_fixed.format(name=vary))
 
 
 def followed(
@@ -174,7 +183,7 @@ def followed(
     vary: str,
     options: BranchOptions,
     *,
-    upwards: bool = True,
+    upwards: bool | None = None,
     fix: str | Held | None = None,
 ) -> Branch[CurveOnSurface]:
     """The curve of a fold or a branch point of a branch while ``c0`` or the length varies.
@@ -185,7 +194,7 @@ def followed(
         number: which of them (the first is 1).
         vary: ``c0`` or ``L``.
         options: where to stop and how to step. Turning points of ``c0`` and ``L`` (cusps of a fold) are watched too.
-        upwards: whether ``vary`` is to grow at first.
+        upwards: whether ``vary`` is to grow at first; None: towards its value in ``options.until``, or growing.
         fix: what is held from there on while stability is judged, as ``family_branch`` takes it; by default what is already.
 
     Raises:
@@ -194,17 +203,19 @@ def followed(
     """
     parameter, options, number = _varying(branch, vary), known_options(options), whole("follow", number)
     if kind != "bp" and not str(kind).startswith("fold:"):
-        raise InputError(f"follow: {kind!r} is no kind of point to follow; give bp, or fold:NAME like fold:v")
+        raise InputError("follow", f"{kind!r} is no kind of point to follow", "give bp, or fold:NAME like fold:v")
     if kind not in SPECIAL:
         names = ", ".join(TURNS)
-        raise InputError(f"follow: {kind!r} is no turning point of a column; choose one of {names} after fold:")
+        raise InputError("follow", f"{kind!r} is no turning point of a column", f"choose one of {names} after fold:")
     found = branch.find(kind)
     if not 1 <= number <= len(found):
         raise InputError(
-            f"follow: the branch has {len(found)} special points {kind}, so there is none of number {number}; follow it further"
+            "follow",
+            f"the branch has {len(found)} special points {kind}, so there is none of number {number}",
+            "follow it further",
         )
     if not found[number - 1].converged:
-        raise InputError(f"follow: {kind} number {number} was not located; follow the branch in shorter steps")
+        raise InputError("follow", f"{kind} number {number} was not located", "follow the branch in shorter steps")
     branch = held_from(branch, found[number - 1].index, fix)
     start = branch.at(found[number - 1])
     sign = math.copysign(1.0, start.problem.signed_amplitude(start.u))
@@ -216,9 +227,8 @@ def followed(
     def bounded(point: Solution[CurveOnSurface]) -> str | None:
         return STRAIGHT if excess(point) < 0 else options.limit(point)
 
-    curve = follow(
-        branch, found[number - 1], parameter, replace(options, folds=(vary, "v"), limit=bounded), upwards=upwards
-    )
+    grows, bounds = _growing(upwards, options, vary, start), replace(options, folds=(vary, "v"), limit=bounded)
+    curve = follow(branch, found[number - 1], parameter, bounds, upwards=grows)
     return _up_to_straight(curve, excess) if excess(curve.points[-1]) < 0 else curve
 
 
@@ -284,19 +294,18 @@ def switched(
         InputError: there is no such branch point, it was not located, or its new shapes cannot be followed.
     """
     if centre is not None and not known_branch(branch).points[-1].problem.centred:
-        raise InputError("centre: shapes that branch off here leave no choice of it; leave it out")
+        raise InputError("centre", "shapes that branch off here leave no choice of it", "leave it out")
     middle = choice("centre", "pearl" if centre is None else centre, get_args(Centre))
     special, options = numbered(branch, number), known_options(options)
     if special.change == 0 and not branch.points[-1].problem.rejoins:
         raise InputError(
-            f"switch: at branch point {number} the branch meets a more symmetric one; follow that from its start"
+            "switch", f"at branch point {number} the branch meets a more symmetric one", "follow that from its start"
         )
     try:
         return switch(held_from(branch, special.index, fix), special, options, centre=middle, grow=grow)
     except LiftError as error:
-        raise InputError(
-            Sentence.joined(f"switch: at branch point {number} {error}", _on_a_mesh(branch, special))
-        ) from None
+        what, remedy = f"at branch point {number} {error}", _on_a_mesh(branch, special)
+        raise InputError("switch", what, remedy) from None
 
 
 def _on_a_mesh(branch: Branch[Any], special: SpecialPoint) -> str:
@@ -304,12 +313,12 @@ def _on_a_mesh(branch: Branch[Any], special: SpecialPoint) -> str:
     place, start = branch.at(special).observables, branch.points[0]
     if start.observables["amplitude"] > 1e-6:
         return (
-            "; a mesh may follow them, in Python: studies.mesh.branch_from(*meshed(branch.points[k], 1000), options) "
+            "a mesh may follow them, in Python: studies.mesh.branch_from(*meshed(branch.points[k], 1000), options) "
             "goes on from these pearls, and studies.onward.switched leaves it"
         )
     pearls = round(place["L"] / start.problem.profile(start.u).period)
     return Sentence(
-        "; a mesh may follow them: pearlbvp branch pearl --c0 {c0:.12g} --length {L:.12g}{radius_option} "
+        "a mesh may follow them: pearlbvp branch pearl --c0 {c0:.12g} --length {L:.12g}{radius_option} "
         f"--mode {pearls},0 --nodes 1000 --save FILE.h5, then pearlbvp switch FILE.h5 and the number of the branch point near "
         "lambda2 = {lambda2:.4g}, v = {v:.6g}",
         **{name: place[name] for name in ("c0", "L", "lambda2", "v")},
@@ -326,11 +335,13 @@ def numbered(branch: Branch[Any], number: int) -> SpecialPoint:
     number = whole("switch", number)
     if not 1 <= number <= len(found):
         raise InputError(
-            f"switch: the branch has {len(found)} branch points, so there is none of number {number}; follow it further"
+            "switch",
+            f"the branch has {len(found)} branch points, so there is none of number {number}",
+            "follow it further",
         )
     special = found[number - 1]
     if not special.converged:
         raise InputError(
-            f"switch: branch point {number} was not located; follow the branch in shorter steps (max_step)"
+            "switch", f"branch point {number} was not located", "follow the branch in shorter steps (max_step)"
         )
     return special

@@ -66,11 +66,11 @@ class OsmoticTube:
 
     def __post_init__(self) -> None:
         if abs(finite("c0", self.c0)) > LARGEST_C0:
-            raise InputError(f"c0: {self.c0:g} is beyond {LARGEST_C0:g} in units of 1/radius; give a smaller one")
+            raise InputError("c0", f"{self.c0:g} is beyond {LARGEST_C0:g} in units of 1/radius", "give a smaller one")
         for name in ("solute", "osmolarity", "length"):
             positive(name, getattr(self, name))
         if self.length > LONGEST:
-            raise InputError(f"length: {self.length:g} radii are beyond {LONGEST:g}; give a part of the tube")
+            raise InputError("length", f"{self.length:g} radii are beyond {LONGEST:g}", "give a part of the tube")
 
     @property
     def periods(self) -> list[float]:

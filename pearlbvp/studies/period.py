@@ -147,7 +147,7 @@ def pearl_periods(
     """
     lengths = as_numbers("lengths", lengths)
     if v is not None and positive("v", v) == 1:
-        raise InputError("v: at v = 1 all pearls are the cylinder; give a volume above or below")
+        raise InputError("v", "at v = 1 all pearls are the cylinder", "give a volume above or below")
     lengths = [Tube(0.0, length).length for length in lengths]
     curvatures = as_numbers("c0", c0)
     processes = None if processes is None else whole("processes", processes)

@@ -163,7 +163,7 @@ def phases(
     found = diagram(tube.c0, tube.length, depth, _options(low, high), progress, modes=chosen, processes=processes,
                     refused=partial(_too_unstable, unstable))  # fmt: skip
     if not found.branches:
-        raise InputError("modes: no branch could be followed; choose other modes, or another length")
+        raise InputError("modes", "no branch could be followed", "choose other modes, or another length")
     starts, seed = whole("starts", starts, 0), whole("seed", seed, 0)
     everything = [piece for name, branch in found.branches.items() for piece in pieces(name, branch)]
     begun = Search(dict(found.branches), everything)
@@ -238,9 +238,9 @@ def known_volumes(tube: Tube, volumes: float | str | Iterable[float]) -> list[fl
     """
     wanted, most = sorted(set(as_numbers("volumes", volumes))), largest_volume(tube)
     if wanted[0] <= 0:
-        raise InputError(f"volumes: {wanted[0]:g} must be above 0; give reduced volumes like 0.6:1.3:0.01")
+        raise InputError("volumes", f"{wanted[0]:g} must be above 0", "give reduced volumes like 0.6:1.3:0.01")
     if wanted[-1] >= most and wanted[-1] > 1:
-        raise InputError(f"volumes: no tube of that area and length has v = {wanted[-1]:g}; stay below {most:.6g}")
+        raise InputError("volumes", f"no tube of that area and length has v = {wanted[-1]:g}", f"stay below {most:.6g}")
     return wanted
 
 

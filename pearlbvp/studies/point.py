@@ -37,8 +37,9 @@ def sample(family: str, c0: float, length: float, name: str) -> tuple[str, float
     if known is None:
         names = ", ".join(f"{key[3]} ({key[0]}, c0 = {key[1]:g}, L = {key[2]:g} radii)" for key in SAMPLES)
         where = Sentence("at c0 = {c0:.6g}, L = {L:.6g} {L_unit}", c0=c0, L=length)
-        what = "; give NAME=VALUE, like v=1.02, a number on a saved branch, or a sample of the paper: "
-        raise InputError(Sentence.joined(f"point: {name!r} is no point of a {family} branch ", where, what, names))
+        what = Sentence.joined(f"{name!r} is no point of a {family} branch ", where)
+        remedy = f"give NAME=VALUE, like v=1.02, a number on a saved branch, or a sample of the paper: {names}"
+        raise InputError("point", what, remedy)
     return known
 
 
@@ -74,7 +75,7 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Solution[An
         pass
     else:
         if not -len(points) <= number < len(points):
-            raise InputError(f"point: there is no point {number}; the branch has points 0 to {len(points) - 1}")
+            raise InputError("point", f"there is no point {number}", f"the branch has points 0 to {len(points) - 1}")
         return points[number]
     column, equals, text = name.partition("=")
     place = special_place(branch, name)
@@ -86,7 +87,7 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Solution[An
         column, value = sample(family, points[0].observables["c0"], points[0].observables["L"], name)
     if column not in points[0].observables:
         raise InputError(
-            f"point: {column!r} is no column of the branch; choose one of {', '.join(points[0].observables)}"
+            "point", f"{column!r} is no column of the branch", f"choose one of {', '.join(points[0].observables)}"
         )
     reached = SAME_VALUE * (1 + abs(value))
     for before, after in itertools.pairwise(points):
@@ -98,4 +99,4 @@ def chosen(branch: Branch[Any], name: str, family: str = "pearl") -> Solution[An
                 return Segment(before, after).root(lambda point: point.observables[column] - value, ends[0])
             except PathEnd:
                 break
-    raise InputError(f"point: that value of {column} is not reached on this branch; follow it further")
+    raise InputError("point", f"that value of {column} is not reached on this branch", "follow it further")

@@ -117,7 +117,7 @@ def _kept(x: Array, r: Array, length: float, allowed: float | None = None) -> In
         slope = float(np.abs(np.diff(r) / np.diff(x)).max())
         if abs(r[-1] - r[0]) > slope * abs(gap) + DIFFERENT * np.ptp(r):
             raise InputError(
-                "profile: its ends are one period apart, but r differs there; make them the same, or drop one"
+                "profile", "its ends are one period apart, but r differs there", "make them the same, or drop one"
             )
         return order[:-1]
     return order
@@ -253,14 +253,14 @@ def _waves(phase: Array, number: int) -> Array:
 
 def _check_rows(x: Array, r: Array) -> None:
     if x.ndim != 1 or x.shape != r.shape or len(x) < 4:
-        raise InputError("profile: give four or more places x and as many radii r, all finite")
+        raise InputError("profile", "give four or more places x and as many radii r, all finite")
     wrong = ~(np.isfinite(x) & np.isfinite(r))
     if wrong.any():
         raise InputError(
-            f"profile: x or r in row {int(wrong.argmax()) + 1} is not finite; complete it, or leave it out"
+            "profile", f"x or r in row {int(wrong.argmax()) + 1} is not finite", "complete it, or leave it out"
         )
     if r.min() <= 0:
-        raise InputError(f"profile: r in row {int(r.argmin()) + 1} is not positive; give distances from the axis")
+        raise InputError("profile", f"r in row {int(r.argmin()) + 1} is not positive", "give distances from the axis")
 
 
 def _growing(x: Array, r: Array, allowed: float | None) -> Integers:
@@ -277,15 +277,17 @@ def _growing(x: Array, r: Array, allowed: float | None) -> Integers:
     x, r = x[order], r[order]
     if (np.diff(x) < 0).any():
         raise InputError(
-            "profile: x must grow from row to row, within one period; sort the rows, or give another shape if it overhangs"
+            "profile",
+            "x must grow from row to row, within one period",
+            "sort the rows, or give another shape if it overhangs",
         )
     again = np.diff(x) == 0
     if (again & (np.abs(np.diff(r)) > (DIFFERENT * np.ptp(r) if allowed is None else allowed))).any():
-        text = "profile: two rows have x = {x:.6g} but different r; leave one out"
-        raise InputError(Sentence(text, x=float(x[:-1][again][0])))
+        what = Sentence("two rows have x = {x:.6g} but different r", x=float(x[:-1][again][0]))
+        raise InputError("profile", what, "leave one out")
     kept = order[np.append(True, ~again)]
     if len(kept) < 4:
-        raise InputError("profile: give four or more places x and as many radii r, all finite")
+        raise InputError("profile", "give four or more places x and as many radii r, all finite")
     return kept
 
 
@@ -294,14 +296,12 @@ def _check_extent(x: Array, length: float) -> None:
     steps, span = np.diff(x), x[-1] - x[0]
     lack, whole = length - span, (span + np.median(steps)) / length
     if lack < -CLOSED * min(steps[0], steps[-1]):
-        text = (
-            "profile: x runs over {x:.6g}, more than the period {length:.6g}"
-            f" (about {whole:.3g} periods); give the rows of one period, or the length of the whole"
-        )
-        raise InputError(Sentence(text, x=float(span), length=length))
+        text = f"x runs over {{x:.6g}}, more than the period {{length:.6g}} (about {whole:.3g} periods)"
+        what = Sentence(text, x=float(span), length=length)
+        raise InputError("profile", what, "give the rows of one period, or the length of the whole")
     if lack > (EVEN if steps.max() < EVEN * steps.min() else GAP) * steps.max():
-        text = "profile: x runs over {x:.6g} of the period {length:.6g} only; give the rows of a whole period, or its length"
-        raise InputError(Sentence(text, x=float(span), length=length))
+        what = Sentence("x runs over {x:.6g} of the period {length:.6g} only", x=float(span), length=length)
+        raise InputError("profile", what, "give the rows of a whole period, or its length")
 
 
 def _check_radius(x: Array, r: Array) -> None:
@@ -310,5 +310,5 @@ def _check_radius(x: Array, r: Array) -> None:
     across = np.roll(r, -1) - r
     found = float((np.hypot(along, across) * (r + np.roll(r, -1)) / 2).sum() / along.sum())
     if not 1 / FARTHEST_RADIUS < found < FARTHEST_RADIUS:
-        text = "radius: the tube's radius is about {r:.3g}, not {L:g}; give radius={r:.3g}"
-        raise InputError(Sentence(text, r=found, L=1.0))
+        what = Sentence("the tube's radius is about {r:.3g}, not {L:g}", r=found, L=1.0)
+        raise InputError("radius", what, Sentence("give radius={r:.3g}", r=found))

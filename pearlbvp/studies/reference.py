@@ -46,7 +46,7 @@ def read_reference(
     for name in columns or [key for key in KEYS if key in table]:
         if table[name].isna().any():
             raise InputError(
-                f"compare: {path} has an empty entry in column {name}; give a number there, or leave out its row"
+                "compare", f"{path} has an empty entry in column {name}", "give a number there, or leave out its row"
             )
     return table
 
@@ -62,21 +62,23 @@ def beside(table: pd.DataFrame, reference: pd.DataFrame) -> pd.DataFrame:
     if missing or not added:
         lacks = f"lacks {', '.join(missing)}" if missing else "has none besides"
         raise InputError(
-            f"compare: the file needs columns to match, {', '.join(KEYS)}, and others to put beside them; it {lacks}"
+            "compare",
+            f"the file needs columns to match, {', '.join(KEYS)}, and others to put beside them",
+            f"it {lacks}",
         )
     taken = [name_of(name) for name in added if name_of(name) in table.columns]
     if taken:
         raise InputError(
-            f"compare: the file's column {taken[0]} is in the table already; rename it, to {taken[0]}_other say"
+            "compare", f"the file's column {taken[0]} is in the table already", f"rename it, to {taken[0]}_other say"
         )
     pairs = [(table[name].to_numpy(float)[:, None], reference[name].to_numpy(float)) for name in KEYS]
     match = np.all([np.isclose(*pair, rtol=SAME, atol=1e-9) for pair in pairs], axis=0)
     if not match.any():
         raise InputError(
-            f"compare: no row of the file agrees with the table in {', '.join(KEYS)}; give one of this tube"
+            "compare", f"no row of the file agrees with the table in {', '.join(KEYS)}", "give one of this tube"
         )
     if (match.sum(axis=1) > 1).any():
-        raise InputError(f"compare: two rows of the file are of the same {', '.join(KEYS)}; leave one out")
+        raise InputError("compare", f"two rows of the file are of the same {', '.join(KEYS)}", "leave one out")
     result = table.copy()
     for name in added:
         values = reference[name].to_numpy()

@@ -46,7 +46,7 @@ def stability_region(
     counts = [int(count) for count in wanted if count == int(count) and count >= 2]
     if len(counts) < len(wanted):
         raise InputError(
-            "pearls: the numbers must be whole and 2 or more; one pearl has no others to lose its stability to"
+            "pearls", "the numbers must be whole and 2 or more", "one pearl has no others to lose its stability to"
         )
     rows: list[dict[str, object]] = []
     values = as_numbers("periods", periods)

@@ -147,7 +147,9 @@ class ExactRings:
         growing, candidates = [], []
         most = max(variation.most_waves(length) for variation in self.variations)
         if most > MOST_WAVES:
-            raise InputError(f"lengths: on L = {length:g} more than {MOST_WAVES} waves may grow; take a shorter tube")
+            raise InputError(
+                "lengths", f"on L = {length:g} more than {MOST_WAVES} waves may grow", "take a shorter tube"
+            )
         for c, parity in classes_of(self.n):
             for j in range(most + 1):
                 k = 2 * math.pi * j / length
@@ -227,7 +229,7 @@ def neutral_rings(c0: float, n: int, wave_numbers: float | str | Iterable[float]
     rows: list[dict[str, Any]] = []
     for k in as_numbers("wave_numbers", wave_numbers):
         if k <= 0:
-            raise InputError(f"wave_numbers: {k:g} must be above 0")
+            raise InputError("wave_numbers", f"{k:g} must be above 0")
         for c, parity in classes_of(rings.n):
             for neutral in rings.neutral(c, parity, k):
                 name = str(neutral.block).split(" ", 1)[1]

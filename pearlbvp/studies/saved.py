@@ -47,8 +47,9 @@ def load(path: str | os.PathLike[str], name: str = "path") -> Branch[Any]:
         problem = families.problem(kind) if isinstance(kind, str) else None
         if isinstance(kind, str) and problem is None:
             raise InputError(
-                f"{name}: {shortened(path)} holds shapes of a family that is not here, {kind!r}; "
-                "install or register what adds it"
+                name,
+                f"{shortened(path)} holds shapes of a family that is not here, {kind!r}",
+                "install or register what adds it",
             )
         return branch_of_tree(tree, {kind: problem})
 

@@ -62,20 +62,21 @@ def shape_branch(
     try:
         guess = np.array([finite("shape", value) for value in cosines])
     except TypeError:
-        raise InputError(f"shape: {cosines!r} must be a list of cosines' amplitudes; give one like [0.1]") from None
+        raise InputError("shape", f"{cosines!r} must be a list of cosines' amplitudes", "give one like [0.1]") from None
     amplitudes, why = relaxed(tube, v, guess)
     if why:
-        raise InputError(f"shape: {why}")
+        raise InputError("shape", why)
     near = float(np.abs(amplitudes[1:]).max())
     if near > NO_SHAPE:
         problem, u, why = pearl_of_graph(tube, v, amplitudes, tolerance=tolerance)
         if why:
-            raise InputError(f"shape: the shape of least energy led to no equilibrium ({why}); try other cosines")
+            raise InputError("shape", f"the shape of least energy led to no equilibrium ({why})", "try other cosines")
         near = problem.observables(u)["amplitude"]
     if near <= NO_SHAPE:
         raise InputError(
-            "shape: downhill from it at this volume lies the straight tube, where branches cross; give other cosines or "
-            "another volume, or leave it out for the pearls that leave the tube"
+            "shape",
+            "downhill from it at this volume lies the straight tube, where branches cross",
+            "give other cosines or another volume, or leave it out for the pearls that leave the tube",
         )
     problem = replace(problem, held=held, cells=cells)
     held.check(problem.observables(u))

@@ -117,7 +117,7 @@ def transitions(
                 try:
                     row["falls_to"] = ", ".join(falls(piece, upper))
                 except (InputError, PathEnd) as error:
-                    row["message"] = "; ".join(filter(None, (row["message"], str(error.args[0]))))
+                    row["message"] = "; ".join(filter(None, (row["message"], str(error))))
                 rows.append(row)
     rows.sort(key=lambda row: (row["v"], row["event"]))
     table = pd.DataFrame(rows, columns=COLUMNS)

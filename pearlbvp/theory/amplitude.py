@@ -130,20 +130,16 @@ class AmplitudeEquation:
     n: int
 
     def __post_init__(self) -> None:
-        if self.m < 0 or self.n < 0 or (self.m, self.n) in ((0, 0), (0, 1)):
-            raise InputError(
-                f"mode: ({self.m},{self.n}) is no bifurcation but a change of radius or a shift of the tube; give "
-                "m,0 with m >= 1, 0,n with n >= 2, or m,n with both >= 1"
-            )
         onset_lambda2(self.tube, self.m, self.n)  # refuses a mode that branches off nowhere
         for m, n in ((2 * self.m, 2 * self.n), *(((2 * self.m, 0), (0, 2 * self.n)) if self.m and self.n else ())):
             size = (self.tube.wave_number(m) ** 2 + n**2) ** 2
             if abs(self._rate(m, n)) < RESONANT * (1 + size):
                 text = (
-                    f"mode: ({self.m},{self.n}) meets ({m},{n}), which it excites, at lambda2 = {{lambda2:.6g}} on "
-                    "L = {L:g}; its equation alone does not hold there: change c0 or the length a little"
+                    f"({self.m},{self.n}) meets ({m},{n}), which it excites, at lambda2 = {{lambda2:.6g}} on L = {{L:g}}, "
+                    "where its equation alone does not hold"
                 )
-                raise InputError(Sentence(text, lambda2=self.lambda2, L=self.tube.length))
+                what = Sentence(text, lambda2=self.lambda2, L=self.tube.length)
+                raise InputError("mode", what, "change c0 or the length a little")
 
     @cached_property
     def k(self) -> float:
@@ -227,7 +223,7 @@ class AmplitudeEquation:
             InputError: pearls and wrinkles are their own mirror images.
         """
         if not (self.m and self.n):
-            raise InputError(f"mode: ({self.m},{self.n}) is {self.kind}, which has one wave and no b2")
+            raise InputError("mode", f"({self.m},{self.n}) is {self.kind}, which has one wave and no b2")
         direct = direct2(self.kappa, self.n, self.tube.c0, self.lambda2)
         return float(direct + self._force20 * self.slaved["A20"] + self._force02 * self.slaved["A02"])
 
@@ -239,8 +235,9 @@ class AmplitudeEquation:
     def _check(self, family: str) -> None:
         if family not in self.families:
             raise InputError(
-                f"family: {family} does not branch off at mode ({self.m},{self.n}), but {' and '.join(self.families)}; give "
-                "that, or another mode"
+                "family",
+                f"{family} does not branch off at mode ({self.m},{self.n}), but {' and '.join(self.families)}",
+                "give that, or another mode",
             )
 
     def supercritical(self, family: Family) -> bool:
@@ -363,7 +360,7 @@ def exchange_lengths(c0: float, m: int = 1, n: int = 1, shortest: float = 2.0, l
         InputError: ``m`` or ``n`` is 0.
     """
     if m < 1 or n < 1:
-        raise InputError(f"mode: ({m},{n}) has no coils and buckles; give m,n with both >= 1")
+        raise InputError("mode", f"({m},{n}) has no coils and buckles", "give m,n with both >= 1")
 
     def difference(length: float) -> float:
         """``b1 - b2`` times the three denominators: it has no poles."""

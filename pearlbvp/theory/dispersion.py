@@ -77,44 +77,44 @@ def onset_lambda2(tube: Tube, m: int, n: int) -> float:
     """
     if m < 0 or n < 0 or (m, n) in ((0, 0), (0, 1)):
         raise InputError(
-            f"mode: ({m},{n}) is no bifurcation but a change of radius or a shift of the tube; give m,0 with m >= 1, "
-            "0,n with n >= 2, or m,n with both >= 1"
+            "mode",
+            f"({m},{n}) is no bifurcation but a change of radius or a shift of the tube",
+            "give m,0 with m >= 1, 0,n with n >= 2, or m,n with both >= 1",
         )
     k = tube.wave_number(m)
     critical = float(critical_lambda2(k, n, tube.c0))
     if abs(critical) < LARGEST_LAMBDA2:
         return critical
     if n == 0 and k < 2:
-        raise InputError(_next_to_one(tube, m))
-    raise InputError(_too_short(tube, m, n, critical))
+        raise _next_to_one(tube, m)
+    raise _too_short(tube, m, n, critical)
 
 
-def _next_to_one(tube: Tube, m: int) -> Sentence:
+def _next_to_one(tube: Tube, m: int) -> InputError:
     """What is wrong with pearls whose period is the tube's circumference: their ``lambda2`` is a pole."""
     k = tube.wave_number(m)
     nearness = "{k:g}" if k == 1 else "{k:.12g}"
-    return Sentence(
-        f"mode: pearls of mode ({m},0) on L = {{L:.12g}} have the circumference of the tube as their period (k = {nearness}), "
-        "where none branch off; give another length, like {length:.4g}",
-        L=tube.length,
-        k=k,
-        length=2 * math.pi * m * 1.1,
+    text = (
+        f"pearls of mode ({m},0) on L = {{L:.12g}} have the circumference of the tube as their period (k = {nearness}), "
+        "where none branch off"
     )
+    remedy = Sentence("give another length, like {length:.4g}", length=2 * math.pi * m * 1.1)
+    return InputError("mode", Sentence(text, L=tube.length, k=k), remedy)
 
 
-def _too_short(tube: Tube, m: int, n: int, critical: float) -> Sentence:
+def _too_short(tube: Tube, m: int, n: int, critical: float) -> InputError:
     """What is wrong with waves that branch off at a ``lambda2`` of the size of their number's square."""
     around = n**2 > LARGEST_LAMBDA2  # these alone are half of it
-    return Sentence(
-        f"mode: waves ({m},{n}) on L = {{L:.6g}} are {{period:.3g}} long, so short that they branch off at lambda2 = "
-        "{lambda2:.3g}, beyond {pressure:.3g}; "
-        + ("give fewer waves around the tube" if around else "give a longer tube, like {length:.3g}"),
+    what = Sentence(
+        f"waves ({m},{n}) on L = {{L:.6g}} are {{period:.3g}} long, so short that they branch off at lambda2 = "
+        "{lambda2:.3g}, beyond {pressure:.3g}",
         L=tube.length,
         period=2 * math.pi / math.hypot(tube.wave_number(m), n),
         lambda2=critical,
         pressure=LARGEST_LAMBDA2,
-        length=SHORT_PERIOD * m,
     )
+    longer = Sentence("give a longer tube, like {length:.3g}", length=SHORT_PERIOD * m)
+    return InputError("mode", what, "give fewer waves around the tube" if around else longer)
 
 
 def mode_type(m: int, n: int) -> str:

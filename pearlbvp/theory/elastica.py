@@ -50,7 +50,7 @@ def lobes(n: int) -> int:
         InputError: it is no whole number from 2 on.
     """
     if finite("mode", n) != int(n) or n < 2:
-        raise InputError(f"mode: rings have a whole number of lobes from 2 on, not {n}; give 0,2 for instance")
+        raise InputError("mode", f"rings have a whole number of lobes from 2 on, not {n}", "give 0,2 for instance")
     return int(n)
 
 
@@ -235,7 +235,7 @@ def ring_at_angle(n: int, theta: float) -> ElasticRing:
     n = lobes(n)
     least = math.asin(1 / n)
     if not least <= theta < math.pi / 2:
-        raise InputError(f"theta: {theta:g} is not between arcsin(1/n) = {least:.6g} (the circle) and pi/2")
+        raise InputError("theta", f"{theta:g} is not between arcsin(1/n) = {least:.6g} (the circle) and pi/2")
 
     def excess(k: float) -> float:
         return ElasticRing(n, theta, k).turning - 1
@@ -272,12 +272,12 @@ def ring_at(n: int, name: str, value: float) -> ElasticRing:
         InputError: another name, or a value that no ring has before it touches itself.
     """
     if name not in ("v", "lambda2"):
-        raise InputError(f"name: rings are found by v or lambda2, not by {name!r}")
+        raise InputError("name", f"rings are found by v or lambda2, not by {name!r}")
     least, contact = math.asin(1 / lobes(n)), touching_ring(n)
     first, last = (getattr(ring, name) for ring in (ring_at_angle(n, least), contact))
     if not min(first, last) <= value <= max(first, last):
         raise InputError(
-            f"{name}: rings of {n} lobes have it from {first:.6g} to {last:.6g} (self-contact), not {value:g}"
+            name, f"rings of {n} lobes have it from {first:.6g} to {last:.6g} (self-contact), not {value:g}"
         )
     if value == first:
         return ring_at_angle(n, least)

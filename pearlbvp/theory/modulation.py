@@ -35,7 +35,7 @@ def _span(c0: float) -> float:
     """
     c0 = finite("c0", c0)
     if not 0.25 < c0 < 0.5:
-        raise InputError(f"c0: {c0:g} has no first pearls on very long tubes; give a value between 0.25 and 0.5")
+        raise InputError("c0", f"{c0:g} has no first pearls on very long tubes", "give a value between 0.25 and 0.5")
     return math.sqrt(2 - 4 * c0)
 
 

@@ -63,7 +63,7 @@ class Resonance:
 
     def __post_init__(self) -> None:
         if not float(self.m).is_integer() or self.m < 1:
-            raise InputError(f"mode: {self.m} waves are none; give a whole number from 1 on")
+            raise InputError("mode", f"{self.m} waves are none", "give a whole number from 1 on")
         for waves in (self.m, 2 * self.m):
             onset_lambda2(self.tube, int(waves), 0)  # refuses pearls that branch off nowhere
 
@@ -150,5 +150,7 @@ class Resonance:
         roots = np.roots(polynomial)
         real = roots[np.abs(roots.imag) < 1e-12].real
         if not len(real):
-            raise InputError(f"mode: pearls of {2 * self.m} waves meet none of {self.m} near this resonance; go nearer")
+            raise InputError(
+                "mode", f"pearls of {2 * self.m} waves meet none of {self.m} near this resonance", "go nearer"
+            )
         return float(real[np.abs(real).argmin()])

@@ -43,7 +43,7 @@ class Fluids:
         object.__setattr__(self, "viscosity_ratio", positive("viscosity_ratio", self.viscosity_ratio))
         object.__setattr__(self, "membrane_viscosity", finite("membrane_viscosity", self.membrane_viscosity))
         if self.membrane_viscosity < 0:
-            raise InputError(f"membrane_viscosity: {self.membrane_viscosity:g} is negative; give 0 or more")
+            raise InputError("membrane_viscosity", f"{self.membrane_viscosity:g} is negative", "give 0 or more")
 
 
 WATER = Fluids()

@@ -62,11 +62,11 @@ def tube_start(kind: Kind, tube: Tube, mode: WaveNumbers, held: Held, tolerance:
         InputError: it does not leave there, or an accuracy is given, which modes have none of.
     """
     if tolerance is not None:
-        raise InputError(f"tolerance: it is for pearls and rings; leave it out with {kind}s")
+        raise InputError("tolerance", "it is for pearls and rings", f"leave it out with {kind}s")
     others = amplitude_equation(tube, mode).families
     if kind not in others:
         raise InputError(
-            f"mode: {mode[0]},{mode[1]} is none of a {kind}, but of a {' and a '.join(others)}; give another"
+            "mode", f"{mode[0]},{mode[1]} is none of a {kind}, but of a {' and a '.join(others)}", "give another"
         )
     return onset(tube, kind, *mode, held=held)
 

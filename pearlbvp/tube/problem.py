@@ -8,7 +8,7 @@ coefficients with both constraints' multipliers, the area, the volume. All are e
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,7 +24,7 @@ from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.perturbations import blocks_up_to
 from pearlbvp.tube.rigid import rigid_motions
 from pearlbvp.tube.shapes import TubeShapes
-from pearlbvp.tube.spectrum import Equilibrium, block_problem, block_rates
+from pearlbvp.tube.spectrum import BlockProblem, Equilibrium
 from pearlbvp.tube.symmetry import TubeBlock
 from pearlbvp.tube.waves import Cell, ModeWaves, Waves
 from pearlbvp.units import Sentence
@@ -283,13 +283,14 @@ class TubeProblem(TubeShapes):
         parameters = self.parameters(u)
         return 1.25 * math.sqrt(3 + 2 * abs(parameters.lambda2) + 2 * abs(1 - 2 * parameters.c0))
 
-    def _rates(self, equilibrium: Equilibrium, u: Array, families: Sequence[ModeWaves]) -> list[tuple[Array, float]]:
-        """Growth rates, and the error of the rigid motions, of blocks that share their waves."""
-        known, length, found = self.known(u), self.parameters(u).length, []
+    def _block_problems(
+        self, equilibrium: Equilibrium, u: Array, families: Sequence[ModeWaves]
+    ) -> Iterator[BlockProblem]:
+        """Eigenproblems of blocks that share their waves."""
+        known, length = self.known(u), self.parameters(u).length
         for modes, matrices in zip(families, equilibrium.second_variations(*families), strict=True):
             motions = rigid_motions(known, modes.modes, self.symmetry.turns)
-            found.append(block_rates(equilibrium, modes, matrices, motions, self.held, length))
-        return found
+            yield BlockProblem.of(equilibrium, modes, matrices, motions, self.held, length)
 
     def spectrum(self, u: Array) -> Spectrum:
         """Growth rates of all perturbations that fit the tube."""
@@ -300,23 +301,18 @@ class TubeProblem(TubeShapes):
             alike.setdefault(modes.waves, {})[block] = modes
         found: dict[TubeBlock, tuple[Array, float]] = {}
         for group in alike.values():
-            found |= dict(zip(group, self._rates(equilibrium, u, list(group.values())), strict=True))
+            problems = self._block_problems(equilibrium, u, list(group.values()))
+            found |= {block: problem.rates() for block, problem in zip(group, problems, strict=True)}
         rates = {block: found[block][0] for block in blocks}
         return Spectrum.of(rates, max((error for _, error in found.values()), default=0.0))
 
-    def block_problem(self, u: Array, block: TubeBlock) -> tuple[tuple[Mode, ...], Array, Array, list[Array]]:
-        """A block's modes, and its eigenproblem: second variation, mass, and rows that perturbations are orthogonal to."""
+    def block_problem(self, u: Array, block: TubeBlock) -> tuple[tuple[Mode, ...], BlockProblem]:
+        """A block's modes, and its eigenproblem."""
         reach = self._reach(u)
-        equilibrium, (modes,) = self._perturbed(u, reach), self._stretched(u, self._blocks(reach, u)[block])
-        (matrices,) = equilibrium.second_variations(modes)
-        motions = rigid_motions(self.known(u), modes.modes, self.symmetry.turns)
-        second, mass, rows, _ = block_problem(
-            equilibrium, modes, matrices, motions, self.held, self.parameters(u).length
-        )
-        return modes.modes, second, mass, rows
+        (modes,) = self._stretched(u, self._blocks(reach, u)[block])
+        (problem,) = self._block_problems(self._perturbed(u, reach), u, [modes])
+        return modes.modes, problem
 
     def block_rates(self, u: Array, block: TubeBlock, like: Spectrum) -> Array:
         """Growth rates in one block."""
-        reach = self._reach(u)
-        (modes,) = self._stretched(u, self._blocks(reach, u)[block])
-        return self._rates(self._perturbed(u, reach), u, [modes])[0][0]
+        return self.block_problem(u, block)[1].rates()[0]

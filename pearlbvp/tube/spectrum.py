@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -239,61 +239,69 @@ ORDERS_ALONG = np.array([1.0, 1.0, 0.0, 0.0, 2.0, 2.0, 1.0, 1.0, 0.0, 0.0])
 """How often each of the ten fields ``a, b, p, q, s`` (``tube.density``) is differentiated along the tube."""
 
 
-def block_problem(
-    equilibrium: Equilibrium,
-    modes: ModeWaves,
-    matrices: tuple[Array, Array],
-    kernels: Sequence[Array],
-    held: Held,
-    length: float,
-) -> tuple[NDArray[Any], Array, list[Array], list[Array]]:
-    """A block's eigenproblem ``second w = -mu mass w`` on the vectors that some rows annihilate; see ``block_rates``.
+@dataclass(frozen=True)
+class BlockProblem:
+    """A block's eigenproblem ``second w = -mu mass w`` on the vectors that some rows annihilate.
 
-    Returns:
-        ``second`` and ``mass``, the rows, and the rigid motions that move the surface, of unit mass.
+    Attributes:
+        second, mass: with what is held and changes, besides the modes, as further unknowns.
+        rows: of what is held and of rigid motions.
+        motions: the rigid motions that move the surface, of unit mass, in the modes.
+        matrices: second variation and mass of the modes alone.
     """
-    second, mass = matrices
-    rows: list[Array] = []
-    moving: list[Array] = []
-    constrained: NDArray[np.inexact[Any]] = second
-    whole_mass = mass
-    by_volume = equilibrium.constraints(modes)[1]
-    if np.abs(by_volume).max() > 1e-9:  # in other blocks than the solution's own nothing changes that may be held
-        rows, constrained = held.constrained(second, equilibrium.quantities(modes, length))
-        whole_mass = block_diag(mass, np.eye(len(constrained) - len(second)))
-    for kernel in kernels:
-        weight = kernel @ mass @ kernel
-        if weight > 1e-12 * kernel @ kernel:  # else it moves the surface along itself
-            moving.append(kernel / np.sqrt(weight))
-            rows.append(np.append(mass @ kernel, np.zeros(len(constrained) - len(second))))
-    return constrained, whole_mass, rows, moving
 
+    __repr__ = brief
 
-def block_rates(
-    equilibrium: Equilibrium,
-    modes: ModeWaves,
-    matrices: tuple[Array, Array],
-    kernels: Sequence[Array],
-    held: Held,
-    length: float,
-) -> tuple[Array, float]:
-    """Growth rates of a block, largest first, without its rigid motions, and the largest error of the rigid motions.
+    second: NDArray[Any]
+    mass: Array
+    rows: list[Array]
+    motions: list[Array]
+    matrices: tuple[Array, Array]
 
-    Args:
-        equilibrium: what is perturbed.
-        modes: of the block.
-        matrices: theirs (``Equilibrium.second_variations``).
-        kernels: rigid motions in these modes.
-        held: what is held.
-        length: of the tube.
-    """
-    constrained, whole_mass, rows, moving = block_problem(equilibrium, modes, matrices, kernels, held, length)
-    restricted_second, restricted_mass = restricted(rows, constrained, whole_mass)
-    size = len(restricted_second)
-    if size == 0:
-        return np.zeros(0), 0.0
-    rates = _leading(restricted_second, restricted_mass)
-    return rates, max((_residual(*matrices, kernel, float(rates[0])) for kernel in moving), default=0.0)
+    @classmethod
+    def of(
+        cls,
+        equilibrium: Equilibrium,
+        modes: ModeWaves,
+        matrices: tuple[Array, Array],
+        kernels: Sequence[Array],
+        held: Held,
+        length: float,
+    ) -> Self:
+        """The problem of a block.
+
+        Args:
+            equilibrium: what is perturbed.
+            modes: of the block.
+            matrices: theirs (``Equilibrium.second_variations``).
+            kernels: rigid motions in these modes.
+            held: what is held.
+            length: of the tube.
+        """
+        second, mass = matrices
+        rows: list[Array] = []
+        motions: list[Array] = []
+        constrained: NDArray[np.inexact[Any]] = second
+        whole_mass = mass
+        by_volume = equilibrium.constraints(modes)[1]
+        if np.abs(by_volume).max() > 1e-9:  # in other blocks than the solution's own nothing changes that may be held
+            rows, constrained = held.constrained(second, equilibrium.quantities(modes, length))
+            whole_mass = block_diag(mass, np.eye(len(constrained) - len(second)))
+        for kernel in kernels:
+            weight = kernel @ mass @ kernel
+            if weight > 1e-12 * kernel @ kernel:  # else it moves the surface along itself
+                motions.append(kernel / np.sqrt(weight))
+                rows.append(np.append(mass @ kernel, np.zeros(len(constrained) - len(second))))
+        return cls(constrained, whole_mass, rows, motions, matrices)
+
+    def rates(self) -> tuple[Array, float]:
+        """Growth rates, largest first, without rigid motions, and the largest error of these."""
+        restricted_second, restricted_mass = restricted(self.rows, self.second, self.mass)
+        if len(restricted_second) == 0:
+            return np.zeros(0), 0.0
+        rates = _leading(restricted_second, restricted_mass)
+        errors = (_residual(*self.matrices, motion, float(rates[0])) for motion in self.motions)
+        return rates, max(errors, default=0.0)
 
 
 def _leading(second: Array, mass: Array) -> Array:

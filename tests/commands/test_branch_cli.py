@@ -113,7 +113,7 @@ def test_a_branch_that_does_not_get_there_says_so(capsys):
     ("options", "advice"),
     [
         (["branch", "pearl", "--c0", "0", "--length", "10", "--until", "v=0.9"], "has the same shapes"),
-        (["vary", "SAVED", "c0", "--until", "c0=-0.2"], "give --down"),
+        (["vary", "SAVED", "L", "--keep", "lambda2", "--until", "v=1.05"], "give --down"),
         (["vary", "SAVED", "c0", "--down", "--until", "c0=0.5"], "leave --down out"),
     ],
 )

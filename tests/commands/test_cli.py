@@ -219,7 +219,7 @@ def test_the_table_of_a_run_whose_checkpoints_fail_is_written(tmp_path, capsys, 
 
     def full(name, path, write):
         tried.append(name)
-        raise InputError(f"{name}: {path} could not be written (No space left on device); free space")
+        raise InputError(name, f"{path} could not be written (No space left on device)", "free space")
 
     tried = []
     monkeypatch.setattr(hdf5, "write_whole", full)

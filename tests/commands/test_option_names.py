@@ -2,7 +2,7 @@
 
 import click
 
-from pearlbvp.commands.command import as_typed
+from pearlbvp.commands.command import as_typed, option_of
 
 PARAMS = [
     click.Option(["--max-points"]),
@@ -14,15 +14,23 @@ PARAMS = [
 ]
 
 
-def test_the_first_word_and_underscored_names_are_options():
+def test_arguments_are_options_by_their_first_word():
+    for argument, typed in (
+        ("max_points", "--max-points"),
+        ("until v", "--time v"),
+        ("mode", "--mode"),
+        ("length", "--lengths"),
+        ("--mode", "--mode"),
+        ("family", "family"),
+    ):
+        assert option_of(argument, PARAMS) == typed
+
+
+def test_underscored_names_in_sentences_are_options():
     for message, typed in (
-        ("max_points: 1 must be 2 or more", "--max-points: 1 must be 2 or more"),
-        ("until v: 'x' is not a number", "--time v: 'x' is not a number"),
-        ("mode: none", "--mode: none"),
-        ("length: 0 must be positive", "--lengths: 0 must be positive"),
-        ("step: above max_step = 2", "step: above --max-step = 2"),
+        ("above max_step = 2", "above --max-step = 2"),
         ("max_points = 4 reached; ask for more", "--max-points = 4 reached; ask for more"),
-        ("--mode: as it was typed, --max-step too", "--mode: as it was typed, --max-step too"),
-        ("family: is no option, nor is r_max", "family: is no option, nor is r_max"),
+        ("as it was typed, --max-step too", "as it was typed, --max-step too"),
+        ("is no option, nor is r_max", "is no option, nor is r_max"),
     ):
         assert as_typed(message, PARAMS) == typed
