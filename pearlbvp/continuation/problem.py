@@ -166,7 +166,7 @@ class Problem(ABC):
         """
         raise InputError("vary", f"{' and '.join(free)} cannot vary on this branch", "follow another from another tube")
 
-    def with_second(self, name: str, u: Array, tangent: Array) -> tuple[Self, list[Array], int]:
+    def with_one_more_free(self, name: str, u: Array, tangent: Array) -> tuple[Self, list[Array], int]:
         """The problem with one more parameter free, a solution and a tangent of it moved there, and that one's place."""
         if name in self.free:
             raise ValueError(f"second: {name!r} is free already")

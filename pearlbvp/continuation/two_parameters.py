@@ -212,7 +212,7 @@ def follow(
     Args:
         branch: a branch.
         special: one of its special points, a ``fold:NAME`` or a ``bp``.
-        second: the parameter to vary, as the problem's ``with_second`` takes it.
+        second: the parameter to vary, as the problem's ``with_one_more_free`` takes it.
         options: where to stop and what to watch; turning points of ``second`` are cusps of a fold.
         upwards: whether the second parameter is to grow at first.
 
@@ -222,7 +222,7 @@ def follow(
     if not special.converged or not (special.kind == "bp" or special.kind.startswith("fold:")):
         raise ValueError(f"special: {special.kind} at point {special.index} is no located fold or branch point")
     entry = branch.at(special)
-    base, (u, tangent), place = entry.problem.with_second(second, entry.u, entry.tangent)
+    base, (u, tangent), place = entry.problem.with_one_more_free(second, entry.u, entry.tangent)
     fixed = np.zeros(u.size)
     fixed[place] = 1.0
     condition: Condition

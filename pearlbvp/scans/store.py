@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -276,9 +276,3 @@ def _plain(value: Any) -> Any:
     import pandas as pd
 
     return None if value is pd.NA else value.item()
-
-
-def all_of(store: Store, question: str, settings: Mapping[str, Value], cases: Iterable[Case]) -> list[Outcome | None]:
-    """What became of given cases, in their order; None of those that are not finished."""
-    found = dict(store.outcomes(question, settings))
-    return [found.get(case) for case in cases]

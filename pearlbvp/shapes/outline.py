@@ -21,7 +21,6 @@ from pearlbvp.arrays import Array
 from pearlbvp.collocation import Discretization, gauss_scheme
 from pearlbvp.collocation.mesh import equidistribute
 from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points
-from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions, newton
 from pearlbvp.shapes.cells import HALF_CELL
 from pearlbvp.shapes.pearl import PearlProblem
@@ -248,8 +247,3 @@ def pearl_of_outline(
     free = replace(fixed, parameters=fixed.all_parameters(found.u), free=("arclength", "lambda1", "lambda2", "v"))
     problem = PearlProblem(free, None, tolerance, cells=cells)
     return problem, free.pack(fixed.values(found.u), free.parameters), found.message
-
-
-def tube_outline(tube: Tube, v: float, waves: int = 32) -> Outline:
-    """Outlines of one period of a tube."""
-    return Outline(tube.c0, tube.length / 2, v, waves)

@@ -86,12 +86,14 @@ def _energy_at(tube: Tube, m: int, v: float) -> float | None:
     """``E/A`` of ``m`` equal pearls at reduced volume ``v``, where their branch first reaches it."""
     problem, u, tangent = pearling_onset(tube, m)
 
+    def reached(point: Solution[PearlProblem]) -> bool:
+        return bool((point.observables["v"] - v) * (1 - v) <= 0)
+
     def stop(point: Solution[PearlProblem]) -> str | None:
-        observed = point.observables
-        return "there" if (observed["v"] - v) * (1 - v) <= 0 else "neck" if observed["r_min"] < THINNEST_NECK else None
+        return "reached" if reached(point) else "a neck" if point.observables["r_min"] < THINNEST_NECK else None
 
     path = follow(Solution(problem, u, tangent), PathOptions(max_step=1.0), stop)
-    if path.reason != "there" or len(path.points) < 2:
+    if len(path.points) < 2 or not reached(path.points[-1]):
         return None
     before, after = path.points[-2:]
     difference = before.observables["v"] - v

@@ -14,14 +14,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import k0e, k1e
 
+from pearlbvp.arrays import Array
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite, positive
 from pearlbvp.theory.dispersion import growing_waves, growth_rate
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

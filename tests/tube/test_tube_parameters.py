@@ -182,7 +182,7 @@ def test_what_perturbations_keep_and_the_branch_does_not(coils):
     with pytest.raises(ValueError, match="^free: "):
         point.problem.freeing(point.u, "volume")
     with pytest.raises(ValueError, match="^second: "):
-        point.problem.with_second("lambda2", point.u, point.tangent)
+        point.problem.with_one_more_free("lambda2", point.u, point.tangent)
 
 
 def test_rings_are_refused():
