@@ -18,7 +18,6 @@ from pearlbvp.theory.dispersion import stable_wave_numbers
 AT_ONCE = 4096
 """Pearls looked up together, to bound the memory."""
 
-
 MARGIN = 3e-4
 """Share of a band of wave numbers next to its ends where numbers are not known to 1e-8: pearls lose stability near onset."""
 
@@ -108,11 +107,8 @@ def _not_held(c0: float, period: float, pearls: float) -> InputError:
             "pearls", f"{pearls:g} is no number of pearls that can lose stability to one of them", "give 2 or more"
         )
     if not CURVATURES[0] <= c0 <= CURVATURES[1]:
-        return InputError(
-            "c0",
-            f"the atlas has values from {CURVATURES[0]:g} to {CURVATURES[1]:g}, not {c0:g}",
-            "use localized_pearls",
-        )
+        low, high = CURVATURES
+        return InputError("c0", f"the atlas has {low:g} to {high:g}, not {c0:g}", "use localized_pearls")
     short, long = (float(end) for end in _periods(c0, pearls))
     return InputError(
         "period",

@@ -78,9 +78,7 @@ def _folder(out: Path) -> Path:
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(
-            "out", f"{out} is no folder and cannot be made one ({error.strerror})", "give another"
-        ) from None
+        raise InputError("out", f"{out} cannot be made a folder ({error.strerror})", "give another") from None
     return out
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,18 +74,12 @@ def first_pearls(
     """
     tubes = [Tube(c0, length) for length in lengths]
     intervals = stable_intervals(float(c0), np.array([tube.length for tube in tubes]))
-    outcomes = [_without_continuation(interval) for interval in intervals]
-    wanted = [i for i, outcome in enumerate(outcomes) if outcome is None]
-    pearls = np.array([mode[0] for i in wanted if (mode := intervals[i].lower_mode)], dtype=np.int64)
-    periods = np.array([tubes[i].length for i in wanted]) / pearls
-    found, new = losses(float(c0), periods, pearls, known)
-    for i, outcome in zip(wanted, found, strict=True):
-        outcomes[i] = outcome
-    return [
-        FirstPearls(tube, interval, outcome)
-        for tube, interval, outcome in zip(tubes, intervals, outcomes, strict=True)
-        if outcome is not None
-    ], new
+    counts = [interval.lower_mode[0] if interval.lower_mode else 1 for interval in intervals]
+    pearls = (
+        (tube.length / m, m, _without_continuation(at)) for tube, m, at in zip(tubes, counts, intervals, strict=True)
+    )
+    outcomes, new = _outcomes(c0, pearls, known)
+    return [FirstPearls(*each) for each in zip(tubes, intervals, outcomes, strict=True)], new
 
 
 def pearls_of_periods(
@@ -106,17 +100,23 @@ def pearls_of_periods(
     """
     counts = [pearls_on(length, check_period(period)) for length, period in tubes]
     intervals = stable_intervals(float(c0), np.array([Tube(c0, length).length for length, _ in tubes]))
-    outcomes = [at_onset(*case) for case in zip(intervals, counts, strict=True)]
-    wanted = [i for i, outcome in enumerate(outcomes) if outcome is None]
-    periods = np.array([tubes[i][1] for i in wanted])
-    found, new = losses(float(c0), periods, np.array([counts[i] for i in wanted], dtype=np.int64), known)
-    for i, outcome in zip(wanted, found, strict=True):
-        outcomes[i] = outcome
+    pearls = ((period, m, at_onset(at, m)) for (_, period), m, at in zip(tubes, counts, intervals, strict=True))
+    outcomes, new = _outcomes(c0, pearls, known)
     return [
         localized_row(Tube(c0, length), period, count, outcome)
         for (length, period), count, outcome in zip(tubes, counts, outcomes, strict=True)
-        if outcome is not None
     ], new
+
+
+def _outcomes(
+    c0: float, pearls: Iterable[tuple[float, int, Outcome | None]], known: Sequence[PearlSeries]
+) -> tuple[list[Outcome], list[PearlSeries]]:
+    """Outcomes of pearls of a period and number, those that were known first; and the series that were computed for others."""
+    periods, counts, before = zip(*pearls, strict=True)
+    wanted = np.array([outcome is None for outcome in before])
+    found, new = losses(float(c0), np.array(periods)[wanted], np.array(counts)[wanted], known)
+    computed = iter(found)
+    return [next(computed) if outcome is None else outcome for outcome in before], new
 
 
 def _without_continuation(interval: StableInterval) -> Outcome | None:

@@ -63,17 +63,8 @@ def meeting_table(
     return table
 
 
-EXCHANGE_COLUMNS = [
-    "c0",
-    "exchange",
-    "L",
-    "v_coil",
-    "lambda2_coil",
-    "v_buckle",
-    "lambda2_buckle",
-    "n_mixed",
-    "both_stable",
-]
+ENDS = ["v_coil", "lambda2_coil", "v_buckle", "lambda2_buckle"]
+EXCHANGE_COLUMNS = ["c0", "exchange", "L", *ENDS, "n_mixed", "both_stable"]
 
 
 def exchange_table(

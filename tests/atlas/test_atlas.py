@@ -71,7 +71,7 @@ def test_two_pieces_agree_where_they_meet():
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ((0.5, 7.5, 2), "c0: the atlas has values from 0.26 to 0.49, not 0.5"),
+        ((0.5, 7.5, 2), "c0: the atlas has 0.26 to 0.49, not 0.5"),
         ((0.2599, 40, 2), "c0: "),
         ((0.48, 7.5, 1), "pearls: 1 is no number"),
         ((0.48, 7.5, 2.5), "pearls: "),
