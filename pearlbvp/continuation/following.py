@@ -15,7 +15,15 @@ from typing import Any, Generic
 import numpy as np
 
 from pearlbvp.continuation.branch import Branch, SpecialPoint, Status, is_of_kind
-from pearlbvp.continuation.events import SAME_VALUE, Event, contact, events_between, first_wanted, has_value
+from pearlbvp.continuation.events import (
+    SAME_VALUE,
+    Event,
+    contact,
+    events_between,
+    first_wanted,
+    has_value,
+    pole_between,
+)
 from pearlbvp.continuation.path import PathEnd, PathOptions, steps
 from pearlbvp.continuation.problem import P, Problem
 from pearlbvp.continuation.segment import Segment
@@ -121,6 +129,15 @@ class _Run(Generic[P]):
         """A point with all computed that the branch shows."""
         return (point if self.options.stability else replace(point, known=Spectrum.not_asked())).computed()
 
+    def _at(self, event: Event[P]) -> Solution[P]:
+        """The point of an event with all computed that the branch shows; at a pole growth rates may be beyond computing."""
+        try:
+            return self._whole(event.point)
+        except SpectrumError:
+            if event.kind not in event.point.problem.poles(event.point.u):
+                raise
+            return replace(event.point, known=Spectrum.unknown())
+
     def so_far(self) -> Branch[P]:
         """What there is of it."""
         return Branch(list(self.points), list(self.special), Status.RUNNING, "unfinished")
@@ -164,8 +181,9 @@ class _Run(Generic[P]):
             try:
                 if touching is not None and not touching.converged:
                     raise _PassesThroughItselfError
-                latest = self._whole(latest)
-                events = events_between(before, latest, self.watched, at_start, options.locating)
+                pole = pole_between(before, latest)
+                latest = latest if pole else self._whole(latest)
+                events = [pole] if pole else events_between(before, latest, self.watched, at_start, options.locating)
             except (SpectrumError, _PassesThroughItselfError):  # the branch is to be known up to where that begins
                 if shorter < FINEST * options.path.step:
                     raise
@@ -178,7 +196,8 @@ class _Run(Generic[P]):
             if doubtful or length > 4 * tried:  # beyond the place of doubt
                 tried = math.inf
             reached = Status.CONTACT if touching else Status.REACHED if wanted else None
-            end = self._take(events, length) or self._arrive(events, latest, length, reached)
+            end = self._take(events, length)
+            end = end or self._arrive(events, self._whole(latest), length, reached)
             if end is not None:
                 return end
 
@@ -186,7 +205,7 @@ class _Run(Generic[P]):
         """The special points of a step, one point for those at one place; the whole branch, if it ends at one of them."""
         most = self.options.path.max_points
         for together in _places(events):
-            self.points.append(self._whole(together[0].point))
+            self.points.append(self._at(together[0]))
             self._name(together, length)
             self.options.progress(self.so_far())
             if self.so_far().asked(self.options.until_special) is not None:
