@@ -65,10 +65,10 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = 
         x, r = (units.to_user(name, values) for name, values in zip("xr", profile.outline(), strict=True))
         colour = _curve_colour(branch.points[index])
         for side in (1, -1):
-            axes.plot(x, side * r - place * height, color=colour, linewidth=1.2)
+            axes.plot(x, side * r - place * height, color=colour)
         axes.fill_between(x, r - place * height, -r - place * height, color=colour, alpha=0.12, linewidth=0)
         label = f"point {index}: v = {point.observables['v']:.4f}"
-        axes.text(x[-1] / 2, -(place + 0.48) * height, label, ha="center", va="center", fontsize=8)
+        axes.text(x[-1] / 2, -(place + 0.48) * height, label, ha="center", va="center", fontsize="small")
     axes.set_yticks([])
     return _to_scale(axes, -(len(chosen) - 0.3) * height)
 
@@ -99,10 +99,10 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units 
     for place, entry in enumerate(along(branch, count)):
         section = entry.problem.shapes.section(entry.u, 0.0)
         y, z = (units.to_user(name, values) for name, values in zip("yz", section, strict=True))
-        axes.plot(y + place * width, z, color=_curve_colour(entry), linewidth=1.2)
+        axes.plot(y + place * width, z, color=_curve_colour(entry))
         reach = max(reach, float(np.abs(z).max()))
         label = f"v = {entry.observables['v']:.4f}"
-        axes.text(place * width, -0.65 * width, label, ha="center", va="center", fontsize=8)
+        axes.text(place * width, -0.65 * width, label, ha="center", va="center", fontsize="small")
     axes.set_yticks(
         [tick for tick in MaxNLocator(2).tick_values(-reach, reach) if abs(tick) <= reach]
     )  # not beside words
@@ -137,7 +137,7 @@ def draw_branch(branch: Branch[Any], curve: pd.DataFrame, title: str = "", units
         points = along(branch)
         titles = [f"v = {point.observables['v']:.4f}" for point in points]
         place_surfaces(figure, (0.53, 0.02, 0.46, 0.42), points, titles, (2, 2))
-        figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize=9)
+        figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize="small")
     elif problem.drawn == "section":
         draw_sections(axes[1, 1], branch, units=units)
         beside = units.axis_label("y", "shapes beside one another, y")
@@ -145,6 +145,6 @@ def draw_branch(branch: Branch[Any], curve: pd.DataFrame, title: str = "", units
     else:
         scale = "" if draw_shapes(axes[1, 1], branch, units=units) else ", not to scale"
         dress(axes[1, 1], units.axis_label("x"), "", f"shapes: stable blue, unstable brown{scale}")
-    axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize=9)
+    axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize="small")
     note_unit(figure, units)
     return figure
