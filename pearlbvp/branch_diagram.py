@@ -27,7 +27,7 @@ class Diagram(study.Diagram):
         """
         from pearlbvp.figures.diagram import draw_plane
 
-        table = units.columns(self.table())
+        table = units.columns(study.curves(self.branches))
         for name in (x, y):
             if name not in table:
                 raise InputError("column", f"{name} is not in the table", f"take one of {', '.join(map(str, table))}")

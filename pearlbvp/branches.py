@@ -247,8 +247,9 @@ class Branch(core.Branch[Any]):
     def plot(self, title: str = "", units: Units = RADII) -> Figure:
         """Its diagrams and some of its shapes."""
         from pearlbvp.figures.branch import draw_branch
+        from pearlbvp.studies.branch import curve
 
-        return draw_branch(self, units.columns(self.table()), title, units)
+        return draw_branch(self, units.columns(curve(self)), title, units)
 
     def explore(self, x: str = "", y: str = "E", units: Units = RADII) -> Explorer:
         """A page in which its diagram and shapes can be explored, in a notebook; ``.text`` is its HTML.

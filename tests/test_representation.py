@@ -10,7 +10,6 @@ import pytest
 
 from pearlbvp import progress
 from pearlbvp.collocation import PiecewisePolynomial
-from pearlbvp.figures.branch import BETWEEN, smooth
 from pearlbvp.flows.driver import FlowOptions
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.families import tube_mesh
@@ -66,25 +65,6 @@ def test_a_branch_says_what_it_is_where_it_goes_and_why_it_ends():
     assert last == "  end: the wanted special point is reached"
     many = type(branch)(branch.points, branch.special * 20, branch.reason, True)
     assert "and 26 more special points" in repr(many)
-
-
-def test_a_smooth_curve_goes_through_its_points_and_not_beyond_them():
-    angle = np.linspace(0, 5, 14)
-    x, y = smooth(np.cos(angle), np.sin(angle))
-    np.testing.assert_array_equal(x[::BETWEEN], np.cos(angle))
-    assert np.abs(np.hypot(x, y) - 1).max() < 0.25 * (1 - np.cos(np.diff(angle)[0] / 2)) + 6e-3  # chords: 1 - cos
-    for i in range(len(angle) - 1):
-        piece = y[i * BETWEEN : (i + 1) * BETWEEN + 1]
-        assert piece.min() >= min(piece[0], piece[-1]) - 1e-12
-        assert piece.max() <= max(piece[0], piece[-1]) + 1e-12
-
-
-def test_a_smooth_curve_is_interrupted_where_a_value_is_missing():
-    x, y = np.arange(6.0), np.array([0.0, 1.0, 4.0, np.nan, 16.0, 25.0])
-    dense_x, dense_y = smooth(x, y)
-    assert np.isfinite(dense_y[: 2 * BETWEEN + 1]).all()
-    assert np.isnan(dense_y[2 * BETWEEN + 1 : 4 * BETWEEN]).all()
-    assert len(dense_x) == 5 * BETWEEN + 1
 
 
 @pytest.mark.parametrize("shown", [True, False])

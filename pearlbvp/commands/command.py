@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import click
@@ -57,7 +58,7 @@ def check_options(context: click.Context) -> None:
         if other is not None:
             raise InputError(param.opts[0], f"it does not go with {typed[other]}", "leave one of the two out")
         if param.needs and not on_line & set(param.needs):
-            words = " or ".join(typed[name] for name in param.needs)
+            words = " or ".join(typed[name] for name in param.needs if name in typed)
             raise InputError(param.opts[0], f"it goes with {words}", "give that too, or leave it out")
 
 
@@ -85,9 +86,24 @@ class Command(click.Command):
         try:
             check_options(ctx)
             enter_units(ctx)
-            return super().invoke(ctx)
+            with style_of(ctx):
+                return super().invoke(ctx)
         except InputError as error:
             raise of_this_command(error) from None
+
+
+def style_of(context: click.Context) -> AbstractContextManager[None]:
+    """Draw by a command's ``--style``, which is no argument of its function, and is read before anything is computed.
+
+    Raises:
+        InputError: it cannot be used.
+    """
+    style = context.params.pop("style", None)
+    if style is None:
+        return nullcontext()
+    from pearlbvp.figures.style import styled
+
+    return styled(style)
 
 
 def option_of(argument: str, params: Sequence[click.Parameter]) -> str:

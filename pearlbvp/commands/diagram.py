@@ -95,7 +95,7 @@ def diagram(
         raise InputError("FILE, --c0, --length", "give saved branches, or c0 and length of a tube")
     x, y = ("c0" if name == "C0" else name for name in (x, y))  # as it is headed in physical units
     _check_columns(x, y)
-    from pearlbvp.studies.diagram import together, tubes_apart
+    from pearlbvp.studies.diagram import curves, together, tubes_apart
 
     if files:
         branches = _saved(files)
@@ -109,7 +109,7 @@ def diagram(
     def draw() -> Figure:
         from pearlbvp.figures.diagram import draw_plane
 
-        return draw_plane(table, x, y, units=units)
+        return draw_plane(units.columns(curves(branches)), x, y, units=units)
 
     status = write(table, out, plot, draw)
     if apart := tubes_apart(table, units):

@@ -135,7 +135,7 @@ class Following:
     def _written(self, found: Branch[Any], wanted: Mapping[str, float], other_way: str) -> int:
         from pearlbvp.continuation.branch import Status
         from pearlbvp.studies import saved
-        from pearlbvp.studies.branch import shown
+        from pearlbvp.studies.branch import curve, shown
 
         table = self.units.columns(shown(found.table()))
         saves = [] if self.save is None else [lambda: saved.save(found, self.save, "--save", self.units)]  # type: ignore[arg-type]
@@ -143,7 +143,7 @@ class Following:
         def draw() -> Figure:
             from pearlbvp.figures.branch import draw_branch
 
-            return draw_branch(found, table, units=self.units)
+            return draw_branch(found, self.units.columns(curve(found)), units=self.units)
 
         write(table, self.out, self.plot, draw, saves)
         if not found.complete:

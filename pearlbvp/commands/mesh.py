@@ -12,7 +12,7 @@ import click
 from pearlbvp.commands.arguments import File, Nodes, Number, check_meshable
 from pearlbvp.commands.command import Command, options_given
 from pearlbvp.commands.following import fix_option
-from pearlbvp.commands.output import check_distinct, check_outputs, radius_option, write
+from pearlbvp.commands.output import check_distinct, check_outputs, radius_option, style_option, write
 from pearlbvp.errors import InputError
 from pearlbvp.messages import say
 
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 @fix_option(None, needs=("solve",))
 @click.option("--out", type=File(), metavar="FILE.vtu|.ply|.obj", help="Write the mesh there.")
 @click.option("--plot", type=File(), metavar="FILE.png", help="Draw a picture of the surface.")
+@style_option
 @radius_option
 def mesh(
     source: Path | None,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import File
-from pearlbvp.commands.command import of_this_command
+from pearlbvp.commands.command import Option, of_this_command
 from pearlbvp.errors import InputError
 from pearlbvp.messages import drop, say, why_not_written
 from pearlbvp.scale import CONVENTIONS
@@ -28,9 +28,17 @@ PICTURES = (".png", ".pdf", ".svg", ".eps", ".ps", ".jpg", ".jpeg", ".tif", ".ti
 """Endings of pictures: what matplotlib writes without further programs."""
 
 
+style_option = click.option(
+    "--style", cls=Option, needs=("plot", "movie"), metavar="FILE.mplstyle",
+    help="Draw it by a style: a file of matplotlib's settings (fonts, sizes, lines, resolution), or one of its own by name, "
+    "like seaborn-v0_8-paper.",
+)  # fmt: skip
+
+
 def outputs(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that all commands with a table share."""
     for decorate in (
+        style_option,
         click.option("--plot", type=File(), metavar="FILE.png",
                      help="Draw a picture (PNG, PDF, SVG, ... by the ending)."),
         click.option("--out", type=File(), metavar="FILE.csv",

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 @click.option("--out", type=File(), metavar="DIR", help="Folder for the files, made where there is none.")
 @click.option("--format", "endings", type=click.Choice(["png", "pdf", "svg"]), multiple=True, default=("png",),
               show_default=True, help="Of pictures; several may be given.")  # fmt: skip
+@click.option(
+    "--style", cls=Option, needs=("out",), metavar="FILE.mplstyle", help="Draw pictures by a style of matplotlib's."
+)
 @click.option("--point", cls=Option, needs=("out",), metavar="NAME",
               help="Only this sample of the figure, like D2: its row, picture, and a file for show, resume, flow.")  # fmt: skip
 def reproduce(figure: str | None, listed: bool, out: Path | None, endings: tuple[str, ...], point: str | None) -> int:

@@ -10,7 +10,7 @@ import click
 from click.core import ParameterSource
 
 from pearlbvp.commands.arguments import File, Number, Numbers, Written
-from pearlbvp.commands.command import Command, of_this_command
+from pearlbvp.commands.command import Command, of_this_command, style_of
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -20,6 +20,7 @@ from pearlbvp.commands.output import (
     check_ending,
     print_table,
     radius_option,
+    style_option,
     write_frame,
 )
 from pearlbvp.commands.units import enter_units
@@ -84,6 +85,7 @@ IN_UNITS = ("c0", "L", "period", "lambda1", "membrane_viscosity")
 STORE = click.option("--store", type=File(), metavar="FILE.sqlite", required=True,
                      help="Keeps the cases; made where there is none.")  # fmt: skip
 EXPORTS = (
+    style_option,
     click.option("--plot", type=File(), metavar="FILE.png", help="Draw a picture of what is finished."),
     click.option("--columns", metavar="NAME,NAME", help="Write these columns of the table, in this order.  [default: all]"),
     click.option("--export", "--out", type=File(), metavar="FILE.csv|.parquet",
@@ -110,7 +112,8 @@ class Scan(click.Group):
         """Run a question's command, or the group's own, in the words of the command line."""
         try:
             enter_units(ctx)
-            return super().invoke(ctx)
+            with style_of(ctx):
+                return super().invoke(ctx)
         except InputError as error:
             raise of_this_command(error) from None
 

@@ -144,7 +144,7 @@ def _branch(
     note = ""
     with progress("step", doing="reading") as bar:
         from pearlbvp.studies import export, saved
-        from pearlbvp.studies.branch import shown
+        from pearlbvp.studies.branch import curve, shown
 
         bar.leave = False  # what is shown says more
         branch = saved.load(file, "FILE")
@@ -161,7 +161,7 @@ def _branch(
     def draw() -> Figure:
         from pearlbvp.figures.branch import draw_branch
 
-        return draw_branch(branch, table, units=units)
+        return draw_branch(branch, units.columns(curve(branch)), units=units)
 
     status = write(table, out, plot, draw, others)
     if note:

@@ -54,7 +54,8 @@ function diagram() {
     let run = [];
     for (let k = 0; k <= points.length; k++) {
       if (k < points.length && points[k].every(Number.isFinite)) { run.push(k); continue; }
-      smooth(run.map((m) => points[m])).forEach((side, m) => {
+      const between = (k) => hermite(each, k, x, y).map(([a, b]) => [plot.x(a), plot.y(b)]);
+      (each.leaving ? run.slice(0, -1).map(between) : smooth(run.map((m) => points[m]))).forEach((side, m) => {
         const kind = stable[run[m]] && stable[run[m + 1]], same = m && kind === (stable[run[m - 1]] && stable[run[m]]);
         parts[kind] += same ? path(side).replace("M", "L") : path(side);
       });

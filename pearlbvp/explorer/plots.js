@@ -73,6 +73,15 @@ function smooth(points) {
   });
 }
 
+/** Points of a branch from one of its points to the next: a cubic with the slopes of the branch (`continuation/curve.py`). */
+function hermite(branch, k, x, y) {
+  const number = (name, s) => {
+    const [p, q] = [branch.columns[name][k], branch.columns[name][k + 1]], slope = (end) => branch[end][name]?.[k] ?? q - p;
+    return (1 + 2 * s) * (1 - s) ** 2 * p + s * (1 - s) ** 2 * slope("leaving") + s * s * (3 - 2 * s) * q + s * s * (s - 1) * slope("arriving");
+  };
+  return Array.from({ length: 17 }, (_, step) => [number(x, step / 16), number(y, step / 16)]);
+}
+
 /** Growth rates as marks, a line for each symmetry block. */
 function drawRates(svg, blocks, unit) {
   const fewest = Math.min(...blocks.map((block) => block.rates[0])), low = 1.5 * fewest;

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.curve import hermite
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.dimensions import AXES, QUANTITIES
 from pearlbvp.errors import SpectrumError
@@ -43,7 +44,9 @@ def branch_series(
         units: of the columns.
         count: called after each point.
     """
-    table = units.columns(shown(branch.table()))
+    curve = hermite(branch)
+    slopes = {end: units.columns(each) for end, each in (("leaving", curve.leaving), ("arriving", curve.arriving))}
+    table = units.columns(shown(curve.table))
     points = []
     for point in branch.points:
         found = {"shape": shape_of(point.problem.shapes, point.u, shared), "rates": _rates(point.spectrum, units)}
@@ -54,7 +57,7 @@ def branch_series(
         count()
     family = str(branch.points[-1].problem.family)
     return {"name": name, "family": family, "kind": "branch", "end": units.said(branch.reason), **_columns(table, units),
-            "points": points}  # fmt: skip
+            **{end: _slopes(each, list(map(str, table))) for end, each in slopes.items()}, "points": points}  # fmt: skip
 
 
 def flow_series(
@@ -87,6 +90,11 @@ def _columns(table: pd.DataFrame, units: Units) -> dict[str, Any]:
             columns[column] = ["" if value is None else str(value) for value in values]
     headings = dict(zip(map(str, table), map(str, headed(table)), strict=True))
     return {"columns": columns, "labels": labels, "headings": headings}
+
+
+def _slopes(table: pd.DataFrame, shown: list[str]) -> dict[str, list[float | int | None]]:
+    """Slopes of the columns that are shown, to the digits that a screen has."""
+    return {name: [_number(float(f"{value:.6g}")) for value in table[name]] for name in shown if name in table}
 
 
 def _number(value: Any) -> float | int | None:

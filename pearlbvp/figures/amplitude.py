@@ -113,4 +113,4 @@ def _draw_cells(axes: Axes, table: pd.DataFrame, words: pd.Series) -> None:
         if len(part) > 0.004 * len(grid):
             off = sum((part[q] - part[q].median()).abs() / max(np.ptp(grid[q]), 1e-9) for q in ("c0", "L"))
             middle = part.loc[off.idxmin()]
-            axes.text(middle["c0"], middle["L"], name, ha="center", va="center", fontsize=7, bbox=PAPER)
+            axes.text(middle["c0"], middle["L"], name, ha="center", va="center", fontsize="x-small", bbox=PAPER)

@@ -9,7 +9,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from scipy.interpolate import PchipInterpolator
 
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.solution import Solution
@@ -18,54 +17,30 @@ from pearlbvp.figures.surface import along, place_surfaces
 from pearlbvp.units import RADII, Units
 
 
-def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, label: str | None = None) -> None:
-    """One branch in one diagram: stable parts solid, unstable parts dashed, special points marked."""
-    stable = (table["n_unstable"] == 0).to_numpy()
-    if len(table) == 1:  # the end of a flow
-        axes.plot(table[x], table[y], "o", color=colour, markersize=4, label=label)
+def draw_curve(axes: Axes, curve: pd.DataFrame, x: str, y: str, colour: str, label: str | None = None) -> None:
+    """One branch in one diagram: stable parts solid, unstable parts dashed, special points marked.
+
+    Args:
+        axes: where to draw.
+        curve: rows so near to each other that lines between them will do (``studies.branch.curve``).
+        x, y: columns.
+        colour, label: of the branch.
+    """
+    if len(curve) == 1:  # the end of a flow
+        axes.plot(curve[x], curve[y], "o", color=colour, markersize=4, label=label)
         return
-    xs, ys = smooth(table[x].to_numpy(float), table[y].to_numpy(float))
-    stable_stretches = np.repeat(stable[1:] & stable[:-1], BETWEEN)
+    stable = (curve["n_unstable"] == 0).fillna(False).to_numpy(bool)
+    stretches = stable[1:] & stable[:-1]
     for wanted, style in ((True, "-"), (False, "--")):
-        # A stretch between two points is stable where neither of its ends is unstable.
-        pieces_x, pieces_y = _broken(xs, ys, stable_stretches == wanted)
-        axes.plot(
-            pieces_x,
-            pieces_y,
-            style,
-            color=colour,
-            linewidth=1.4,
-            label=label if wanted == (stable.mean() > 0.5) else None,
-        )
+        # A stretch between two rows is stable where neither of its ends is unstable.
+        pieces = _broken(curve[x].to_numpy(float), curve[y].to_numpy(float), stretches == wanted)
+        axes.plot(*pieces, style, color=colour, label=label if wanted == (stretches.mean() > 0.5) else None)
+    if "special" not in curve:
+        return
     for kind, marker, face in (("bp", "o", "white"), ("fold", "x", None)):
-        rows = table[table["special"].str.contains(kind)]
+        rows = curve[curve["special"].str.contains(kind)]
         if len(rows):
             axes.plot(rows[x], rows[y], marker, color=colour, markerfacecolor=face or colour, markersize=5)
-
-
-BETWEEN = 12
-"""Steps from one point of a branch to the next in a picture."""
-
-
-def smooth(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A smooth curve through the points of a polygon, ``BETWEEN`` steps from each to the next, in the box of both.
-
-    Both coordinates are monotone between neighbours as functions of the polygon's length (PCHIP), so that turning points stay
-    where they were located. Where a value is missing or a point repeats, the curve is interrupted.
-    """
-    size = max(float(np.ptp(x[np.isfinite(x)])), 1e-300), max(float(np.ptp(y[np.isfinite(y)])), 1e-300)
-    steps = np.hypot(np.diff(x) / size[0], np.diff(y) / size[1])
-    points, part = np.column_stack((x, y)), np.arange(BETWEEN)[:, None] / BETWEEN
-    pieces = points[:-1, None] + part * np.diff(points, axis=0)[:, None]
-    breaks = np.concatenate(([-1], np.flatnonzero(~(steps > 1e-12)), [len(steps)]))
-    for first, last in zip(breaks[:-1] + 1, breaks[1:], strict=True):
-        if last - first > 1:
-            at = np.concatenate(([0.0], np.cumsum(steps[first:last])))
-            between = PchipInterpolator(at, points[first : last + 1])
-            pieces[first:last] = between(at[:-1, None] + part.T * np.diff(at)[:, None])
-    found = np.concatenate((pieces.reshape(-1, 2), points[-1:]))
-    found[::BETWEEN] = points
-    return found[:, 0], found[:, 1]
 
 
 def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -90,10 +65,10 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = 
         x, r = (units.to_user(name, values) for name, values in zip("xr", profile.outline(), strict=True))
         colour = _curve_colour(branch.points[index])
         for side in (1, -1):
-            axes.plot(x, side * r - place * height, color=colour, linewidth=1.2)
+            axes.plot(x, side * r - place * height, color=colour)
         axes.fill_between(x, r - place * height, -r - place * height, color=colour, alpha=0.12, linewidth=0)
         label = f"point {index}: v = {point.observables['v']:.4f}"
-        axes.text(x[-1] / 2, -(place + 0.48) * height, label, ha="center", va="center", fontsize=8)
+        axes.text(x[-1] / 2, -(place + 0.48) * height, label, ha="center", va="center", fontsize="small")
     axes.set_yticks([])
     return _to_scale(axes, -(len(chosen) - 0.3) * height)
 
@@ -124,10 +99,10 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units 
     for place, entry in enumerate(along(branch, count)):
         section = entry.problem.shapes.section(entry.u, 0.0)
         y, z = (units.to_user(name, values) for name, values in zip("yz", section, strict=True))
-        axes.plot(y + place * width, z, color=_curve_colour(entry), linewidth=1.2)
+        axes.plot(y + place * width, z, color=_curve_colour(entry))
         reach = max(reach, float(np.abs(z).max()))
         label = f"v = {entry.observables['v']:.4f}"
-        axes.text(place * width, -0.65 * width, label, ha="center", va="center", fontsize=8)
+        axes.text(place * width, -0.65 * width, label, ha="center", va="center", fontsize="small")
     axes.set_yticks(
         [tick for tick in MaxNLocator(2).tick_values(-reach, reach) if abs(tick) <= reach]
     )  # not beside words
@@ -139,22 +114,22 @@ def _curve_colour(entry: Solution[Any]) -> str:
 
 
 @own_style()
-def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "", units: Units = RADII) -> Figure:
+def draw_branch(branch: Branch[Any], curve: pd.DataFrame, title: str = "", units: Units = RADII) -> Figure:
     """Energy and pressure over the reduced volume, the two multipliers, and shapes.
 
     Args:
         branch: whose shapes are drawn.
-        table: its rows.
+        curve: its points and what lies between them (``studies.branch.curve``).
         title: of the picture.
-        units: of the table, and of the shapes as they are drawn.
+        units: of the curve, and of the shapes as they are drawn.
     """
     figure, axes = new_figure(2, 2, width=9.5, height=7.5)
-    varied = next((name for name in ("c0", "L") if np.ptp(table[name]) > 1e-9 * table[name].abs().max()), None)
+    varied = next((name for name in ("c0", "L") if np.ptp(curve[name]) > 1e-9 * curve[name].abs().max()), None)
     pairs = (("v", "E"), ("v", "lambda2"), ("lambda2", "lambda1"))
     if varied is not None:
         pairs = ((varied, "E"), (varied, "lambda2"), (varied, "v"))
     for place, (x, y) in zip(axes.ravel(), pairs, strict=False):
-        draw_curve(place, table, x, y, COLOURS[0])
+        draw_curve(place, curve, x, y, COLOURS[0])
         dress(place, units.axis_label(x), units.axis_label(y), title if place is axes[0, 0] else "")
     problem = branch.points[0].problem.shapes
     if problem.drawn == "surface":
@@ -162,7 +137,7 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "", units
         points = along(branch)
         titles = [f"v = {point.observables['v']:.4f}" for point in points]
         place_surfaces(figure, (0.53, 0.02, 0.46, 0.42), points, titles, (2, 2))
-        figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize=9)
+        figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize="small")
     elif problem.drawn == "section":
         draw_sections(axes[1, 1], branch, units=units)
         beside = units.axis_label("y", "shapes beside one another, y")
@@ -170,6 +145,6 @@ def draw_branch(branch: Branch[Any], table: pd.DataFrame, title: str = "", units
     else:
         scale = "" if draw_shapes(axes[1, 1], branch, units=units) else ", not to scale"
         dress(axes[1, 1], units.axis_label("x"), "", f"shapes: stable blue, unstable brown{scale}")
-    axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize=9)
+    axes[0, 1].set_title("dashed: unstable; circles: branch points; crosses: folds", fontsize="small")
     note_unit(figure, units)
     return figure

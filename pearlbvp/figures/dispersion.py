@@ -32,7 +32,7 @@ def draw_dispersion(table: pd.DataFrame, curves: pd.DataFrame, title: str, units
         name = {0: "pearling, n = 0", 1: "coiling/buckling, n = 1"}.get(n, f"n = {n} (k = 0: wrinkling)")
         modes = table[table["n"] == n]
         visible = ((curve > floor) & (curve < ceiling)).any()
-        axes.plot(k, curve, color=colour, linewidth=1, label=name if visible else None)
+        axes.plot(k, curve, color=colour, label=name if visible else None)
         axes.plot(modes["k"], modes["lambda2"], "o", color=colour, markersize=4)
     if "lower" in ends and "upper" in ends:
         axes.axhspan(ends["lower"], ends["upper"], color="0.85", zorder=0, label="straight tube stable")

@@ -36,6 +36,6 @@ def draw_equilibria(table: pd.DataFrame) -> Figure:
     dress(top, "", "diameter (nm)", "pearled equilibria at given tension and osmolarity")
     dress(bottom, "case", "spacing (nm)")
     top.set_ylim(bottom=0)
-    add_legend(top, fontsize=7, ncols=3)
-    add_legend(bottom, fontsize=7)
+    add_legend(top, fontsize="x-small", ncols=3)
+    add_legend(bottom, fontsize="x-small")
     return figure

@@ -54,13 +54,13 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", units: Uni
     curves = ((axes[0, 0], ("E",), units.axis_label("E")), (axes[0, 1], ("lambda1", "lambda2"), multipliers))
     for place, names, label in curves:
         for name, colour in zip(names, COLOURS, strict=False):
-            place.semilogx(table["t"], table[name], color=colour, linewidth=1.4, label=name)
+            place.semilogx(table["t"], table[name], color=colour, label=name)
         dress(place, time, label, title if place is axes[0, 0] else "")
     add_legend(axes[0, 1])
     styles = (("velocity", "largest velocity"), ("area_error", "error of area"), ("volume_error", "error of volume"))
     for (name, label), colour in zip(styles, COLOURS, strict=False):
-        axes[1, 0].loglog(table["t"], table[name].abs().clip(lower=1e-17), color=colour, linewidth=1.2, label=label)
-    add_legend(axes[1, 0], fontsize=8)
+        axes[1, 0].loglog(table["t"], table[name].abs().clip(lower=1e-17), color=colour, label=label)
+    add_legend(axes[1, 0], fontsize="small")
     dress(axes[1, 0], time, f"{units.axis_label('velocity', 'velocity')}, relative errors")
     axes[1, 1].set_axis_off()
     frames = state.record.frames
@@ -71,7 +71,7 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", units: Uni
         place = figure.add_axes((left, below, width, 0.4 * height))
         draw_surface(place, frame, _extent(list(ends)))
         said = f"t = {units.to_user('t', frame.t):.4g}"
-        figure.text(left + width / 2, below + 0.43 * height, said, fontsize=8, ha="center")
+        figure.text(left + width / 2, below + 0.43 * height, said, fontsize="small", ha="center")
     note_unit(figure, units)
     return figure
 
@@ -92,7 +92,7 @@ def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, u
     images = []
     for frame in chosen:
         draw_surface(axes, frame, extent, 61, 25)
-        axes.set_title(f"t = {units.to_user('t', frame.t):.4g}", fontsize=9)
+        axes.set_title(f"t = {units.to_user('t', frame.t):.4g}", fontsize="small")
         images.append(pixels(figure))
     save_movie(images, path, rate)
 

@@ -35,13 +35,13 @@ def draw_growth(table: pd.DataFrame, curves: pd.DataFrame, title: str, units: Un
         rows, waves = curves[curves["n"] == n], table[(table["n"] == n) & table["m"].notna()]
         name = NAMES.get(n, f"n = {n} (k = 0: wrinkling)")
         visible = (rows["rate"].abs() < MARGIN * scales["rate"]).any()
-        rates.plot(rows["k"], rows["rate"], color=colour, linewidth=1, label=name if visible else None)
+        rates.plot(rows["k"], rows["rate"], color=colour, label=name if visible else None)
         rates.plot(waves["k"], waves["rate"], "o", color=colour, markersize=3)
     rates.plot(
         fastest["k"], fastest["rate"], "o", color="black", markersize=5, label="fastest" if len(fastest) else None
     )
     for (column, name), colour in zip(FLOWS.items(), COLOURS, strict=False):
-        flows.plot(shown["k"], shown[column] / scales[column], color=colour, linewidth=1, label=name)
+        flows.plot(shown["k"], shown[column] / scales[column], color=colour, label=name)
     _frame(rates, scales["rate"])
     _frame(flows, 1.0)
     wave = units.axis_label("k")

@@ -50,7 +50,7 @@ def _(panel: Curves, title: str) -> Figure:
     for name, point in panel.samples.items():
         place = point.observables[panel.x], point.observables[panel.y]
         axes.plot(*place, "s", color="black", markersize=4)
-        axes.annotate(name, place, xytext=(5, 5), textcoords="offset points", fontsize=8)
+        axes.annotate(name, place, xytext=(5, 5), textcoords="offset points", fontsize="small")
     dress(axes, RADII.axis_label(panel.x, panel.x), RADII.axis_label(panel.y, panel.y), title or "dashed: unstable")
     add_legend(axes, fontsize="small")
     return figure
@@ -76,14 +76,14 @@ def _(panel: Shapes, title: str) -> Figure:
             left + width / 2,
             bottom + 0.87 * height,
             f"{name}: v = {point.observables['v']:.4g}, {stable}",
-            fontsize=8,
+            fontsize="small",
             ha="center",
         )
     figure.text(
         0.5,
         1 - 0.18 / (1.9 * rows + 0.3),
         title or "blue moves outwards along the branch, yellow inwards",
-        fontsize=8,
+        fontsize="small",
         ha="center",
     )
     return figure
@@ -106,7 +106,7 @@ def _(panel: Regions, title: str) -> Figure:
         # A wave is unstable above its curve where k^2 + n^2 > 1, below it elsewhere.
         edge = np.where(k**2 + n**2 > 1, REACH, -REACH)
         axes.fill_between(k, curve, edge, color=colour, alpha=0.15, linewidth=0)
-        axes.plot(k, np.where(np.abs(curve) < 2 * REACH, curve, np.nan), color=colour, linewidth=1.2, label=WAVES[n])
+        axes.plot(k, np.where(np.abs(curve) < 2 * REACH, curve, np.nan), color=colour, label=WAVES[n])
     axes.axhline(1.5, color=COLOURS[3], linewidth=0.8, label="wrinkling (0,2)")
     axes.set(ylim=(-REACH, REACH), xlim=(0, float(panel.curves["k"].max())))
     dress(axes, "wave number k", "pressure lambda2", title or f"c0 = {panel.c0:g}; shaded: unstable")
@@ -152,7 +152,7 @@ def _(panel: Sectors, title: str) -> Figure:
     for sector in panel.sectors.to_dict("records"):
         _draw_scheme(axes, sector)
     axes.set(xticks=[], yticks=[], xlabel="b1", ylabel="b2")
-    axes.set_title(title or "brown: coils, green: buckles; solid: stable (amplitude over lambda2)", fontsize=9)
+    axes.set_title(title or "brown: coils, green: buckles; solid: stable (amplitude over lambda2)", fontsize="small")
     return figure
 
 

@@ -112,7 +112,7 @@ def _draw_strip(axes: Axes, ranges: pd.DataFrame, colours: Mapping[str, str]) ->
     for low, high, name in ranges.itertuples(index=False):
         axes.axvspan(low, high, color=colours.get(name, "white"), alpha=0.45, linewidth=0)
         if high - low > NARROWEST * whole:
-            axes.text((low + high) / 2, 0.5, _named(name) or "none found", ha="center", va="center", fontsize=8)
+            axes.text((low + high) / 2, 0.5, _named(name) or "none found", ha="center", va="center", fontsize="small")
     for place in ranges["low"].iloc[1:]:
         axes.axvline(place, color="black", linewidth=0.8)
     axes.set(xlim=(ranges["low"].min(), ranges["high"].max()), ylim=(0, 1), yticks=[])
@@ -139,4 +139,4 @@ def _draw_shapes(figure: Figure, strip: Axes, found: Phases) -> None:
     for (v, name, _), surface, place in zip(chosen, surfaces, places, strict=True):
         axes = figure.add_axes((place, 0.03, width, 0.15))
         show_surface(axes, surface, half_length, extent)
-        figure.text(place + width / 2, 0.01, f"{_named(name)}, v = {v:.6g}", fontsize=8, ha="center")
+        figure.text(place + width / 2, 0.01, f"{_named(name)}, v = {v:.6g}", fontsize="small", ha="center")

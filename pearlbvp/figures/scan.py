@@ -75,7 +75,7 @@ def _draw_column(axes: Axes, table: pd.DataFrame, along: str, others: list[str],
         shown = rows.dropna(subset=[drawn]).sort_values(along)
         label = named if i % every == 0 and named else None
         several = shown[along].duplicated().any()  # of one tube, as its modes are, which no line joins
-        axes.plot(shown[along], shown[drawn].astype(float), "." if several else ".-", color=colour, markersize=3, linewidth=1,
+        axes.plot(shown[along], shown[drawn].astype(float), "." if several else ".-", color=colour, markersize=3,
                   label=label)  # fmt: skip
 
 

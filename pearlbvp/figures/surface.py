@@ -160,7 +160,7 @@ def place_surfaces(
         corner = left + column * width, bottom + (grid[0] - 1 - row) * height
         axes = figure.add_axes((corner[0] + 0.03 * width, corner[1] + 0.04 * height, 0.94 * width, 0.8 * height))
         show_surface(axes, surface, half_length, extent, colour_of(point))
-        figure.text(corner[0] + width / 2, corner[1] + 0.88 * height, title, fontsize=8, ha="center")
+        figure.text(corner[0] + width / 2, corner[1] + 0.88 * height, title, fontsize="small", ha="center")
 
 
 def along(branch: Branch[Any], count: int = 4) -> list[Solution[Any]]:

@@ -10,6 +10,7 @@ from pearlbvp.helfrich import Tube, WaveNumbers
 from pearlbvp.paper.cases import primary
 from pearlbvp.paper.sheet import Curves, Sheet
 from pearlbvp.studies.amplitude import predicted_branch
+from pearlbvp.studies.branch import curve
 from pearlbvp.theory.amplitude import Family, amplitude_equation
 
 PLANES = (("v", "wave"), ("lambda2", "wave"), ("lambda2", "lambda1"))
@@ -18,7 +19,7 @@ PLANES = (("v", "wave"), ("lambda2", "wave"), ("lambda2", "lambda1"))
 
 def panels(letter: str, mode: WaveNumbers, branches: Mapping[Family, Branch[Any]]) -> tuple[Curves, ...]:
     """Computed branches of a mode with what the amplitude equation predicts, in the three planes."""
-    computed = {family: branch.table() for family, branch in branches.items()}
+    computed = {family: curve(branch) for family, branch in branches.items()}
     predicted = {}
     for family, table in computed.items():
         tube = Tube(float(table["c0"].iloc[0]), float(table["L"].iloc[0]))

@@ -19,6 +19,7 @@ from pearlbvp.paper.amplitudes import coefficients_of_coils, coil_and_buckle_pan
 from pearlbvp.paper.cases import at, primary, secondary, unequal_pearls
 from pearlbvp.paper.flows import to_unequal_pearls
 from pearlbvp.paper.sheet import Course, Curves, Panel, Samples, Shapes, Sheet, values_of
+from pearlbvp.studies.branch import curve
 from pearlbvp.studies.normal_form import normal_forms
 from pearlbvp.theory.dispersion import stable_interval
 
@@ -27,7 +28,7 @@ Values = dict[tuple[str, str], float]
 
 def _planes(letter: str, branches: Mapping[str, Branch[Any]], samples: Samples) -> tuple[Curves, ...]:
     """``E`` over ``v``, and one multiplier over the other: of branches that begin at ``lambda2`` below 0, and above."""
-    tables = {name: branch.table() for name, branch in branches.items()}
+    tables = {name: curve(branch) for name, branch in branches.items()}
     planes = [Curves(f"{letter}1", "v", "E", tables, samples)]
     begin = {name: branch.points[0].observables["lambda2"] for name, branch in branches.items()}
     sides = [side for side in (-1, 1) if any(side * start > 0 for start in begin.values())]

@@ -24,7 +24,7 @@ class Curves:
     Attributes:
         letter: of the panel.
         x, y: columns.
-        branches: computed tables, by name.
+        branches: computed curves, by name; rows whose number ``point`` is no whole one lie between computed points.
         samples: points on them, by the paper's name.
         predicted: tables of amplitude equations, by name.
     """
@@ -39,6 +39,7 @@ class Curves:
     def table(self) -> pd.DataFrame:
         """``curve``, ``x``, ``y`` and ``n_unstable``, a row a point."""
         tables = self.branches | {f"{name}, predicted": table for name, table in self.predicted.items()}  # type: ignore[operator]
+        tables = {name: t[t["point"] % 1 == 0] if "point" in t else t for name, t in tables.items()}
         rows = [t[[self.x, self.y, "n_unstable"]].assign(curve=name) for name, t in tables.items()]
         return pd.concat(rows, ignore_index=True)[["curve", self.x, self.y, "n_unstable"]]
 

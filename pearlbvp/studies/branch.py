@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
+from pearlbvp.continuation import curve as curves
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.path import PathOptions
@@ -63,6 +64,11 @@ TURNS = (
 def shown(table: pd.DataFrame) -> pd.DataFrame:
     """The columns of a branch's table that the command line writes: ``COLUMNS``, and those of ``FURTHER`` that it has."""
     return table[[*COLUMNS, *(name for name in FURTHER if name in table)]]
+
+
+def curve(branch: Branch[Any]) -> pd.DataFrame:
+    """The columns of ``shown`` with rows between the points, whose number ``point`` is a fraction: smooth, to draw."""
+    return shown(curves.curve(branch))
 
 
 STOPS = (*TURNS, "mu_crit", "wave")

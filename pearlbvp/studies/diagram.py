@@ -14,7 +14,7 @@ from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.errors import InputError
 from pearlbvp.held import Held, known_held
 from pearlbvp.helfrich import Tube, WaveNumbers, choice, finite, mode_list, whole
-from pearlbvp.studies.branch import branch_options, family_branch, known_options, shown
+from pearlbvp.studies.branch import branch_options, curve, family_branch, known_options, shown
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.studies.onward import Centre, switched
 from pearlbvp.units import RADII, Units
@@ -69,10 +69,18 @@ class Diagram:
 
 def together(branches: Mapping[str, Branch[Any]]) -> pd.DataFrame:
     """Tables of several branches under one another: ``branch``, the branch's name, then those of ``studies.branch.shown``."""
+    return _together({name: branch.table() for name, branch in branches.items()})
+
+
+def curves(branches: Mapping[str, Branch[Any]]) -> pd.DataFrame:
+    """As ``together``, with rows between the points, to draw (``studies.branch.curve``)."""
+    return _together({name: curve(branch) for name, branch in branches.items()})
+
+
+def _together(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     import pandas as pd
 
-    tables = [branch.table().assign(branch=name) for name, branch in branches.items()]
-    whole = pd.concat(tables, ignore_index=True)
+    whole = pd.concat([table.assign(branch=name) for name, table in tables.items()], ignore_index=True)
     return pd.concat((whole["branch"], shown(whole)), axis=1)
 
 

@@ -15,6 +15,7 @@ from matplotlib.text import Text
 from PIL import Image
 from support.commands import run
 
+import pearlbvp as pb
 from pearlbvp.figures import canvas
 from pearlbvp.helfrich import Tube
 
@@ -141,6 +142,15 @@ def test_settings_of_a_session_change_no_byte_of_a_picture_or_movie(capsys, save
         assert movie.size == (540, 288)
         assert 5 < movie.n_frames <= 30
         assert (movie.info["duration"], movie.info["loop"]) == (100, 0)
+
+
+def test_a_picture_in_python_is_the_same_wherever_it_is_saved(saved, tmp_path):
+    """Ticks are made while a figure is drawn, when a session's own settings are in force."""
+    branch = pb.load(saved / "pearl.h5")
+    branch.plot().savefig(tmp_path / "plain.png", dpi=50)
+    with matplotlib.rc_context(HOSTILE | {"savefig.bbox": None, "savefig.transparent": False}):
+        branch.plot().savefig(tmp_path / "hostile.png", dpi=50)
+    assert (tmp_path / "plain.png").read_bytes() == (tmp_path / "hostile.png").read_bytes()
 
 
 @pytest.mark.parametrize("foreign", ["module://matplotlib_inline.not_here", "nonsense"])
