@@ -42,6 +42,9 @@ EIGENVALUE = 2e-13
 JUMP = 0.01
 """Size of a growth rate at its zero, by the larger one at the ends, beyond which it is no zero: the path has jumped."""
 
+TURNS = 0.01
+"""Slope of what turns, by the larger one at the ends of a step, where its turning there does not show at the ends."""
+
 DIFFERENCE = 1e-9
 """Size of slopes, as differences know them, by that at the ends of a step."""
 
@@ -85,11 +88,15 @@ def _crossing_rates(before: Spectrum, after: Spectrum, neutral: float) -> list[t
     return sorted(found, key=lambda crossing: (str(crossing[0]), crossing[1]))
 
 
-def _is_symmetric(turn: Event[Any], last: Solution[Any]) -> bool:
-    """Whether a growth rate of the solution's own block touches zero at a turning point."""
+def _is_symmetric(turn: Event[Any], names: Sequence[str], behind: Solution[Any], last: Solution[Any]) -> bool:
+    """Whether all that is watched turns with what turned, and a growth rate of the solution's own block touches zero there."""
     problem = turn.point.problem
     if problem.trivial_block not in last.spectrum.rates:
         return False
+    for name in names:
+        slope, *ends = (point.slopes[name] for point in (turn.point, behind, last))
+        if ends[0] * ends[1] > 0 and abs(slope) > TURNS * max(map(abs, ends)):
+            return False
     rates = problem.block_rates(turn.point.u, problem.trivial_block, last.spectrum)
     return bool(np.abs(rates).min() < 1e-6)
 
@@ -152,6 +159,19 @@ def _fold(segment: Segment[P], name: str, ends: tuple[float, float]) -> Event[P]
     return _located(segment, f"fold:{name}", lambda p: p.slopes[name], ends, noise=noise)
 
 
+def pole_between(first: Solution[P], last: Solution[P]) -> Event[P] | None:
+    """Where growth rates pass through infinity between two points: their signs tell of no branch points in this step.
+
+    No growth rate of the last point is needed: beside infinity there may be too many to count.
+    """
+    problem, segment = first.problem, Segment(first, last)
+    for name, before in problem.poles(first.u).items():
+        after = problem.poles(problem.transfer(last.problem, last.u))[name]
+        if before * after < 0:
+            return _located(segment, name, lambda p, n=name: p.problem.poles(p.u)[n], (before, after))  # type: ignore[misc]
+    return None
+
+
 def events_between(
     first: Solution[P],
     last: Solution[P],
@@ -159,7 +179,7 @@ def events_between(
     at_start: bool,
     locating: Callable[[int, int], None] = lambda done, of: None,
 ) -> list[Event[P]]:
-    """Folds and branch points between two consecutive points, in their order.
+    """Folds and branch points between two consecutive points with no pole between them, in their order.
 
     Args:
         first, last: the points.
@@ -170,11 +190,6 @@ def events_between(
     segment = Segment(first, last)
     events: list[Event[P]] = []
     problem = first.problem
-    for name, before in problem.poles(first.u).items():
-        after = problem.poles(problem.transfer(last.problem, last.u))[name]
-        if before * after < 0:
-            # Growth rates change sign by way of infinity here: their signs tell of no branch points in this step.
-            return [_located(segment, name, lambda p, n=name: p.problem.poles(p.u)[n], (before, after))]  # type: ignore[misc]
     # At a pitchfork every observable turns: its slope is that of the branch a little further on.
     behind = segment.point(0.1 * segment.length) if at_start else first
     crossings = _crossing_rates(first.spectrum, last.spectrum, 1e-6 if at_start else 0.0)
@@ -189,7 +204,7 @@ def events_between(
         turn = _fold(segment, name, turns.pop(name))
         own = any(block == problem.trivial_block for block, *_ in crossings)
         own = own or (at_start and _own_count(behind, last) != _own_count(last, last))
-        if turn.converged and not own and _is_symmetric(turn, last):
+        if turn.converged and not own and _is_symmetric(turn, folds, behind, last):
             # What turns, turns without a change of stability: the branch passes through a more symmetric solution, and all
             # observables turn with it. It is a pitchfork, met from its side.
             return [Event(turn.s, "bp", turn.point, block=problem.trivial_block)]

@@ -15,7 +15,7 @@ from typing import Any, Generic
 import numpy as np
 
 from pearlbvp.continuation.branch import Branch, SpecialPoint, Status, is_of_kind
-from pearlbvp.continuation.events import SAME_VALUE, Event, events_between, first_wanted, has_value
+from pearlbvp.continuation.events import SAME_VALUE, Event, events_between, first_wanted, has_value, pole_between
 from pearlbvp.continuation.path import PathEnd, PathOptions, steps
 from pearlbvp.continuation.problem import P, Problem
 from pearlbvp.continuation.segment import Segment
@@ -119,6 +119,15 @@ class _Run(Generic[P]):
         """A point with all computed that the branch shows."""
         return (point if self.options.stability else replace(point, known=Spectrum.not_asked())).computed()
 
+    def _at(self, event: Event[P]) -> Solution[P]:
+        """The point of an event with all computed that the branch shows; at a pole growth rates may be beyond computing."""
+        try:
+            return self._whole(event.point)
+        except SpectrumError:
+            if event.kind not in event.point.problem.poles(event.point.u):
+                raise
+            return replace(event.point, known=Spectrum.unknown())
+
     def so_far(self) -> Branch[P]:
         """What there is of it."""
         return Branch(list(self.points), list(self.special), Status.RUNNING, "unfinished")
@@ -154,8 +163,13 @@ class _Run(Generic[P]):
             if wanted is not None and not wanted.converged:
                 reason = "a wanted value lies just ahead, but could not be reached; take shorter steps"
                 return self.end(Status.FAILED, reason)
-            latest = self._whole(point if wanted is None else wanted.point)
-            events = events_between(before, latest, self.watched, at_start, options.locating)
+            latest = point if wanted is None else wanted.point
+            pole = pole_between(before, latest)
+            if pole is None:
+                latest = self._whole(latest)
+                events = events_between(before, latest, self.watched, at_start, options.locating)
+            else:
+                events = [pole]
             length = _length(before, latest)
             shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
             doubtful = any(_is_doubtful(event, problem, options.until_special) for event in events)
@@ -164,7 +178,8 @@ class _Run(Generic[P]):
                 continue
             if doubtful or length > 4 * tried:  # beyond the place of doubt
                 tried = math.inf
-            end = self._take(events, length) or self._arrive(events, latest, length, reached=wanted is not None)
+            end = self._take(events, length)
+            end = end or self._arrive(events, self._whole(latest), length, reached=wanted is not None)
             if end is not None:
                 return end
 
@@ -172,7 +187,7 @@ class _Run(Generic[P]):
         """The special points of a step, one point for those at one place; the whole branch, if it ends at one of them."""
         most = self.options.path.max_points
         for together in _places(events):
-            self.points.append(self._whole(together[0].point))
+            self.points.append(self._at(together[0]))
             self._name(together, length)
             self.options.progress(self.so_far())
             if self.so_far().asked(self.options.until_special) is not None:

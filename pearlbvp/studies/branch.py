@@ -27,6 +27,7 @@ from pearlbvp.helfrich import (
 from pearlbvp.membrane import Start
 from pearlbvp.studies import families
 from pearlbvp.theory.dispersion import critical_lambda2
+from pearlbvp.units import Sentence
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -230,7 +231,13 @@ def family_branch(
     exact = straight_values(tube, float(critical_lambda2(tube.wave_number(mode[0]), mode[1], tube.c0)))
     held.check(exact | {"c0": tube.c0, "L": tube.length})
     start = Solution.along(problem, u, direction)
-    return continue_branch(start, options, at_bifurcation=True, exact=exact)
+    branch = continue_branch(start, options, at_bifurcation=True, exact=exact)
+    pearls = family == "pearl" and nodes is None and discretization is None
+    if not pearls or "cmc" not in options.until_special or branch.find("cmc"):
+        return branch
+    from pearlbvp.studies.unduloids import why_none  # with the room of unduloids, which few branches need
+
+    return replace(branch, reason=Sentence.joined(branch.reason, why_none(tube, mode[0])))
 
 
 def _in_modes(family: str) -> Callable[[Tube, WaveNumbers, Held, float | None], Start]:

@@ -225,7 +225,9 @@ def followed(
         return sign * float(base.signed_amplitude(point.u)) - STRAIGHT_WAVE
 
     def bounded(point: Solution[CurveOnSurface]) -> str | None:
-        return STRAIGHT if excess(point) < 0 else options.limit(point)
+        if excess(point) >= 0:
+            return options.limit(point)
+        return STRAIGHT if point.observables["amplitude"] < STRAIGHT_WAVE else HALVED
 
     grows, bounds = _growing(upwards, options, vary, start), replace(options, folds=(vary, "v"), limit=bounded)
     curve = follow(branch, found[number - 1], parameter, bounds, upwards=grows)
@@ -234,8 +236,10 @@ def followed(
 
 STRAIGHT = "the shapes become the straight tube; beyond, the curve would repeat their mirror images"
 
+HALVED = "the shapes come to have half the period; beyond, the curve would repeat their mirror images"
+
 STRAIGHT_WAVE = 0.02
-"""``signed_amplitude`` of shapes that are called straight. What the curve leads to differs by its square.
+"""``signed_amplitude`` of shapes that are straight, or of half the period, up to its square.
 
 Nearer, the conditions of what happens at onset, which are proportional to the amplitude or its square, fade.
 """

@@ -15,6 +15,7 @@ from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.unduloid import Unduloid, unduloid_of, unduloid_pearl
+from pearlbvp.units import Sentence
 
 BESIDE = 0.05
 """Compliance ``1/lambda1`` at which pearls beside an unduloid are computed: multipliers are large there, and finite."""
@@ -51,6 +52,25 @@ def beside_unduloids(
                 found[f"unduloid {pearls}"] = follow(shape)
         pearls += 1
     return found
+
+
+def why_none(tube: Tube, pearls: int) -> str:
+    """Why pearls that leave the straight tube pass no unduloid, to be appended to the reason of their end; empty if they may.
+
+    Where ``c0`` is its mean curvature an unduloid is of energy zero, an equilibrium at all multipliers with ``lambda2 = -2 c0
+    lambda1``, and the pearls from the straight tube cross it at one of them. At larger ``c0`` they turn there to infinite
+    multipliers, at smaller ``c0`` away from them (``docs/theory/unduloids.md``).
+    """
+    unduloid = unduloid_of(tube.length / pearls)
+    if unduloid is None:
+        return "; no unduloid has this area and a period of 2 pi radii or more: take more pearls"
+    if tube.c0 > unduloid.mean:
+        return ""
+    return Sentence(
+        "; the unduloid of this period lies on other pearls, which phases finds (--starts): those that leave the straight tube "
+        "reach it where c0 is above its mean curvature, {c0:.6g}",
+        c0=unduloid.mean,
+    )
 
 
 def _passes(branch: Branch[Any], pearls: int, unduloid: Unduloid) -> bool:
