@@ -20,11 +20,12 @@ from pearlbvp.units import RADII, Units
 
 def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, label: str | None = None) -> None:
     """One branch in one diagram: stable parts solid, unstable parts dashed, special points marked."""
-    stable = (table["n_unstable"] == 0).to_numpy()
+    stable = (table["n_unstable"] == 0).fillna(False).to_numpy(bool)
+    infinite = table["special"].str.contains("cmc").to_numpy(bool)
     if len(table) == 1:  # the end of a flow
         axes.plot(table[x], table[y], "o", color=colour, markersize=4, label=label)
         return
-    xs, ys = smooth(table[x].to_numpy(float), table[y].to_numpy(float))
+    xs, ys = smooth(*(np.where(infinite & (name in INFINITE), np.nan, table[name].to_numpy(float)) for name in (x, y)))
     stable_stretches = np.repeat(stable[1:] & stable[:-1], BETWEEN)
     for wanted, style in ((True, "-"), (False, "--")):
         # A stretch between two points is stable where neither of its ends is unstable.
@@ -42,6 +43,9 @@ def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, lab
         if len(rows):
             axes.plot(rows[x], rows[y], marker, color=colour, markerfacecolor=face or colour, markersize=5)
 
+
+INFINITE = ("lambda1", "lambda2", "force")
+"""Columns that are infinite at a surface of constant mean curvature; a number that stands there is rounding."""
 
 BETWEEN = 12
 """Steps from one point of a branch to the next in a picture."""
@@ -135,7 +139,7 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units 
 
 
 def _curve_colour(entry: Solution[Any]) -> str:
-    return COLOURS[0] if entry.spectrum.n_unstable == 0 else COLOURS[1]
+    return COLOURS[0] if entry.spectrum.stable else COLOURS[1]
 
 
 @own_style()

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 from support.unduloids import neutral_tensions
 
 import pearlbvp as pb
+from pearlbvp.figures.branch import draw_branch
 from pearlbvp.shapes.unduloid import unduloid_of, unduloid_pearl
 from pearlbvp.stability.floquet import neutral_cosines
 from pearlbvp.stability.spectrum import Block
@@ -56,6 +57,12 @@ def test_the_wanted_unduloid_is_reached_though_beyond_it_more_waves_grow_than_ar
     branch = family_branch(pb.Tube(0.672, 4), "pearl", (1, 0), branch_options({"cmc": 1}, max_step=1.0))
     assert branch.complete
     assert branch.points[-1].value("v") == pytest.approx(unduloid_of(4).v, abs=1e-10)
+    row = branch.table().iloc[-1]
+    assert pd.isna(row.n_unstable)
+    assert not branch.points[-1].spectrum.stable
+    axes = draw_branch(branch, branch.table()).axes[1]
+    drawn = np.concatenate([line.get_ydata() for line in axes.lines])
+    assert np.nanmax(np.abs(drawn)) < 1e5 < abs(row.lambda2)  # what is infinite is left out
 
 
 def test_two_unequal_small_pearls_pass_through_three_equal_ones():
