@@ -133,7 +133,7 @@ class _Run(Generic[P]):
         """The point of an event with all computed that the branch shows; at a pole growth rates may be beyond computing."""
         try:
             return self._whole(event.point)
-        except SpectrumError:
+        except (SpectrumError, np.linalg.LinAlgError):
             if event.kind not in event.point.problem.poles(event.point.u):
                 raise
             return replace(event.point, known=Spectrum.unknown())

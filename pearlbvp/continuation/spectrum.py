@@ -75,6 +75,11 @@ class Spectrum:
         return sum(block.multiplicity * int((rates > self.neutral).sum()) for block, rates in self.rates.items())
 
     @property
+    def stable(self) -> bool:
+        """Whether all perturbations decay; not where that is unknown."""
+        return self.complete and self.n_unstable == 0
+
+    @property
     def critical(self) -> Any:
         """The block of the largest growth rate; empty if none is known."""
         known = [block for block, rates in self.rates.items() if len(rates)]

@@ -31,9 +31,11 @@ def draw_curve(axes: Axes, curve: pd.DataFrame, x: str, y: str, colour: str, lab
         return
     stable = (curve["n_unstable"] == 0).fillna(False).to_numpy(bool)
     stretches = stable[1:] & stable[:-1]
+    infinite = curve["special"].str.contains("cmc").to_numpy(bool) if "special" in curve else np.array(False)
+    xs, ys = (np.where(infinite & (name in INFINITE), np.nan, curve[name].to_numpy(float)) for name in (x, y))
     for wanted, style in ((True, "-"), (False, "--")):
         # A stretch between two rows is stable where neither of its ends is unstable.
-        pieces = _broken(curve[x].to_numpy(float), curve[y].to_numpy(float), stretches == wanted)
+        pieces = _broken(xs, ys, stretches == wanted)
         axes.plot(*pieces, style, color=colour, label=label if wanted == (stretches.mean() > 0.5) else None)
     if "special" not in curve:
         return
@@ -41,6 +43,10 @@ def draw_curve(axes: Axes, curve: pd.DataFrame, x: str, y: str, colour: str, lab
         rows = curve[curve["special"].str.contains(kind)]
         if len(rows):
             axes.plot(rows[x], rows[y], marker, color=colour, markerfacecolor=face or colour, markersize=5)
+
+
+INFINITE = ("lambda1", "lambda2", "force")
+"""Columns that are infinite at a surface of constant mean curvature; a number that stands there is rounding."""
 
 
 def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -110,7 +116,7 @@ def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units 
 
 
 def _curve_colour(entry: Solution[Any]) -> str:
-    return COLOURS[0] if entry.spectrum.n_unstable == 0 else COLOURS[1]
+    return COLOURS[0] if entry.spectrum.stable else COLOURS[1]
 
 
 @own_style()

@@ -115,7 +115,7 @@ def show_surface(
 
 def colour_of(point: Solution[Any]) -> str:
     """Blue for a stable solution, brown for an unstable one."""
-    return STABLE if point.spectrum.n_unstable == 0 else UNSTABLE
+    return STABLE if point.spectrum.stable else UNSTABLE
 
 
 @own_style()
@@ -128,7 +128,9 @@ def draw_surfaces(points: Sequence[Solution[Any]], titles: Sequence[str] = (), c
         columns: how many stand side by side.
     """
     titles = titles or [
-        f"v = {point.observables['v']:.4f}, {point.spectrum.n_unstable} unstable" for point in points
+        f"v = {point.observables['v']:.4f}"
+        + (f", {point.spectrum.n_unstable} unstable" if point.spectrum.complete else "")
+        for point in points
     ]  # fmt: skip
     rows = -(-len(points) // columns)
     columns = min(columns, len(points))

@@ -201,8 +201,8 @@ class PearlProblem(Collocated, MembraneProblem):
     @property
     def varying(self) -> tuple[str, ...]:
         """What varies on the branch of what perturbations may keep."""
-        # The chart of large multipliers has lambda2 by way of the mean curvature.
-        names = {"mean": "lambda2", "length": "L"}
+        # The chart of large multipliers has both by way of others.
+        names = {"compliance": "lambda1", "mean": "lambda2", "length": "L"}
         return tuple(names.get(name, name) for name in self.free)
 
     def spectrum(self, u: Array) -> Spectrum:

@@ -149,10 +149,9 @@ def _is_stable_between(branch: Branch[Any], i: int) -> bool:
         return True
     segment = Segment(pair[0], pair[1])
     try:
-        spectrum = segment.point(segment.length / 2).spectrum
+        return segment.point(segment.length / 2).spectrum.stable
     except PathEnd:
         return False
-    return spectrum.complete and spectrum.n_unstable == 0
 
 
 def distinct(stretches: Sequence[Piece]) -> tuple[list[Piece], dict[str, str]]:
