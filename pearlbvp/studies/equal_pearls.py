@@ -11,14 +11,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pearlbvp.continuation.branch import Branch, SpecialPoint
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.solution import Solution
+from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube
+from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.unduloid import Unduloid, unduloid_of, unduloid_pearl
 from pearlbvp.studies.branch import branch_options, family_branch
@@ -52,6 +54,13 @@ BELOW = 0.1
 """By how much the smallest volume of random shapes lies below those of the straight tube and the unduloid."""
 
 
+NEARER = 0.03
+"""By how much that of smooth pearls does."""
+
+SMOOTH = np.array([0.5, -0.05])
+"""Cosines of a pearl's radius to go downhill from."""
+
+
 class Limit(NamedTuple):
     """What a stable stretch ends at.
 
@@ -66,6 +75,15 @@ class Limit(NamedTuple):
     n: int | None
     theta: float
     observed: Mapping[str, float]
+
+    def columns(self, side: str) -> dict[str, Any]:
+        """As tables have it, by the end that it is: ``from`` or ``to``."""
+        return {
+            f"v_{side}": self.observed["v"],
+            f"{side}_limit": self.kind,
+            f"n_{side}": self.n,
+            f"theta_{side}": self.theta,
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,17 +118,39 @@ def equal_pearls(c0: float, period: float, *, starts: int = STARTS, seed: int = 
         if shape is not None:
             away = shape if shape.slopes["lambda1"] < 0 else shape.turned()
             branches.append(continue_branch(away, _options(period, unduloid, max_step=LONG)))
-    volumes = 1.0 if unduloid is None else unduloid.v, math.sqrt(2 * period) / 3
-    low, high = min(volumes) - BELOW, max(1.0, *volumes)
-    known = [piece for branch in branches for piece in pieces("", branch)]
-    for i in range(starts):
-        v = low + (high - low) * (i + 0.5) / starts
-        shape = _stable_equal(at_rest(Start(tube, v, (seed, i), True)))
-        if shape is not None and not branch_of(shape, [replace(piece, name="known") for piece in known]):
+    known = [piece for branch in branches for piece in pieces("known", branch)]
+    for shape in _downhill(tube, 1.0 if unduloid is None else unduloid.v, starts, seed):
+        if not branch_of(shape, known):
             options = _options(period, unduloid, MOST_UNSTABLE)
             branches.append(_onward(both_ways(shape.problem, shape.u, options, options), unduloid))
-            known += pieces("", branches[-1])
+            known += pieces("known", branches[-1])
     return branches
+
+
+def _downhill(tube: Tube, v: float, starts: int, seed: int) -> Iterator[Solution[PearlProblem]]:
+    """Stable pearls downhill from smooth ones, which have others of less energy beside them, and from random shapes.
+
+    Args:
+        tube: one period.
+        v: volume of the straight tube, or of the unduloid.
+        starts: volumes from below that up to that of one sphere a period, the smooth pearls up to the middle of them.
+        seed: of the random shapes.
+    """
+    sphere = math.sqrt(2 * tube.length) / 3
+    low, high = min(v, sphere) - BELOW, max(1.0, v, sphere)
+    for i in range(starts):
+        share = (i + 0.5) / starts
+        yield from _stable_equal(at_rest(Start(tube, low + share * (high - low), (seed, i), True)))
+        smooth = v - NEARER + share * (max(v, (v + high) / 2) - v + NEARER)
+        try:
+            amplitudes, why = relaxed(tube, smooth, SMOOTH)
+            if why:
+                continue
+            problem, u, why = pearl_of_graph(tube, smooth, amplitudes)
+            if not why:
+                yield from _stable_equal(Solution(problem, u, u).computed())
+        except (SpectrumError, np.linalg.LinAlgError):
+            continue
 
 
 def _onward(branch: Branch[PearlProblem], unduloid: Unduloid | None) -> Branch[PearlProblem]:
@@ -151,11 +191,15 @@ def _is_beside(point: Solution[PearlProblem], unduloid: Unduloid | None) -> bool
     return tension > LARGE and apart * tension < 2 * (1 + point.value("c0") ** 2)
 
 
-def _stable_equal(shape: Solution[PearlProblem] | str) -> Solution[PearlProblem] | None:
-    """What random shapes came to, where that is stable and one pearl a period."""
-    if isinstance(shape, str) or shape.spectrum.n_unstable or shape.problem.cells > 1 or bellies(shape) > 1:
-        return None
-    return shape
+def _stable_equal(shape: Solution[PearlProblem] | str) -> Iterator[Solution[PearlProblem]]:
+    """What a shape came to, where that is stable and one pearl a period."""
+    if (
+        not isinstance(shape, str)
+        and not shape.spectrum.n_unstable
+        and shape.problem.cells == 1
+        and bellies(shape) == 1
+    ):
+        yield shape
 
 
 def bellies(point: Solution[PearlProblem]) -> int:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,10 +20,10 @@ from pearlbvp.messages import say
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.shapes.pearl import PearlProblem
-from pearlbvp.studies.equal_pearls import STARTS, Limit, Stretch, bellies, comes_to_unduloid, equal_pearls, stable_alone
+from pearlbvp.studies.equal_pearls import STARTS, Stretch, bellies, comes_to_unduloid, equal_pearls, stable_alone
 from pearlbvp.studies.localized import COLUMNS as LOCALIZED
 from pearlbvp.studies.parallel import in_processes
-from pearlbvp.studies.waves_on_periods import stable_on
+from pearlbvp.studies.waves_on_periods import stable_by_number
 from pearlbvp.units import Sentence
 
 if TYPE_CHECKING:
@@ -138,26 +137,9 @@ def _intervals(tube: Tube, counts: list[float], starts: int) -> tuple[dict[float
         InputError, PathEnd, SpectrumError, numpy.linalg.LinAlgError: they cannot be computed.
     """
     branches = equal_pearls(tube.c0, tube.length, starts=starts)
-    stretches = {1.0: [s for branch in branches for s in stable_alone(branch) if _is_equal(s)]}
-    for count in counts:
-        for fewer, more in pairwise(_divisors(count)):
-            if more not in stretches:
-                stretches[more] = [part for stretch in stretches[fewer] for part in stable_on(stretch, more)]
+    stretches = stable_by_number([s for branch in branches for s in stable_alone(branch) if _is_equal(s)], counts)
     said = next(filter(None, map(_cut, branches)), "")
     return {count: _distinct(map(_interval, stretches[count])) for count in counts}, said
-
-
-def _divisors(count: float) -> list[float]:
-    """Numbers of periods from 1 to a number of them, each a multiple of the one before: what is stable on one is on fewer."""
-    if count == math.inf:
-        return [1.0, 2.0, 4.0, 8.0, math.inf]
-    found, left, factor = [1.0], int(count), 2
-    while left > 1:
-        while left % factor == 0:
-            found.append(found[-1] * factor)
-            left //= factor
-        factor += 1
-    return found
 
 
 def _distinct(intervals: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -184,7 +166,7 @@ def _cut(branch: Branch[PearlProblem]) -> str:
 
 def _is_equal(stretch: Stretch) -> bool:
     """Whether some of its shapes have one belly a period: smaller ones may appear on its necks."""
-    return min(bellies(point) for point in (stretch.points[0], stretch.points[-1])) <= 1
+    return any(bellies(point) <= 1 for point in stretch.points)
 
 
 def _interval(stretch: Stretch) -> dict[str, Any]:
@@ -194,14 +176,4 @@ def _interval(stretch: Stretch) -> dict[str, Any]:
         return {}
     at = low if high.kind == "straight tube" else high
     shown = {name: at.observed[name] for name in ("lambda1", "lambda2", "v", "E", "amplitude")}
-    return shown | _columns("from", low) | _columns("to", high)
-
-
-def _columns(side: str, limit: Limit) -> dict[str, Any]:
-    """The columns of one end."""
-    return {
-        f"v_{side}": limit.observed["v"],
-        f"{side}_limit": limit.kind,
-        f"n_{side}": limit.n,
-        f"theta_{side}": limit.theta,
-    }
+    return shown | low.columns("from") | high.columns("to")

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -45,6 +45,29 @@ PHASES = 8
 """Steps from phase 0 to pi in which the fastest wave is looked for that winds around the tube more than once."""
 
 Pearls = Solution[PearlProblem]
+
+
+def stable_by_number(alone: list[Stretch], counts: Sequence[float]) -> dict[float, list[Stretch]]:
+    """What is stable on each of several numbers of periods, given what is stable on one."""
+    found = {1.0: alone}
+    for count in counts:
+        for fewer, more in pairwise(_divisors(count)):
+            if more not in found:
+                found[more] = [part for stretch in found[fewer] for part in stable_on(stretch, more)]
+    return {count: found[count] for count in counts}
+
+
+def _divisors(count: float) -> list[float]:
+    """Numbers of periods from 1 to a number of them, each a multiple of the one before: what is stable on one is on fewer."""
+    if count == math.inf:
+        return [1.0, 2.0, 4.0, 8.0, math.inf]
+    found, left, factor = [1.0], int(count), 2
+    while left > 1:
+        while left % factor == 0:
+            found.append(found[-1] * factor)
+            left //= factor
+        factor += 1
+    return found
 
 
 def stable_on(stretch: Stretch, pearls: float) -> Iterator[Stretch]:
