@@ -1,9 +1,9 @@
 """pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability.
 
 An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``phases``,
-``flow``, ``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``equilibria``, ``atlas``,
-``scan``; ``Units`` for physical tubes; ``solve_bvp`` and ``continue_bvp`` for one's own equations. Each name is imported when
-it is first asked for.
+``flow``, ``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``stability_region``,
+``equilibria``, ``atlas``, ``scan``; ``Units`` for physical tubes; ``solve_bvp`` and ``continue_bvp`` for one's own equations.
+Each name is imported when it is first asked for.
 """
 
 import os
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pearlbvp.studies.growth import growth
     from pearlbvp.studies.localized import localized_pearls
     from pearlbvp.studies.period import pearl_periods
+    from pearlbvp.studies.region import stability_region
     from pearlbvp.units import Units
 
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"):
@@ -56,6 +57,7 @@ _HOMES = {
     "register": "studies.families:register",
     "scan": "scans.scan:scan",
     "solve_bvp": "bvp:solve_bvp",
+    "stability_region": "studies.region:stability_region",
 }
 
 __all__ = [
@@ -81,6 +83,7 @@ __all__ = [
     "register",
     "scan",
     "solve_bvp",
+    "stability_region",
 ]
 
 

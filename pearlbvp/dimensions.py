@@ -30,6 +30,7 @@ QUANTITIES: Mapping[str, Dimension] = {
                      "m", "n", "point", "pearls", "pearls_least_energy", "kernel", "n_unstable", "nodes", "triangles",
                      *(f"{name}_{what}" for name in ("lambda1", "lambda2", "E", "wave") for what in ("error", "order")),
                      "viscosity_ratio", "rank", "branches", "depth", "starts", "rest_here", "multiplicity",
+                     *(f"{name}_{end}" for name in ("v", "n", "theta") for end in ("from", "to")),
                      "slope", "phi", "psi", "vertex", "i", "j"), NUMBER),
 }  # fmt: skip
 """Dimensions by the names that columns, options and the numbers of sentences have."""

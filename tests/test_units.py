@@ -219,7 +219,7 @@ def test_the_region_of_stable_pearls(capsys, pictures):
     )  # fmt: skip
     check(one, other, POWERS)
     (axes,) = pictures.figures[0].axes
-    check_axes(axes, other["period"], other["v"])
+    check_axes(axes, other["period"], other[["v_from", "v_to"]].stack())
     assert (power_of(axes.get_xlabel()), power_of(axes.get_ylabel())) == (LENGTH, 0)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pearlbvp.commands.arguments import Number, Numbers
+from pearlbvp.commands.arguments import Numbers
 from pearlbvp.commands.command import Command
 from pearlbvp.commands.output import check_outputs, outputs, radius_option, write
 
@@ -19,28 +19,44 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Command,
-    epilog="Example:  pearlbvp region --c0 0.48 --periods 6.6:10:0.1 --pearls 2,4,8 --out r.csv --plot r.png",
+    epilog="Example:  pearlbvp region --c0 0.48,0.55 --periods 4.5:8:0.5 --pearls 1,2,4,inf --out r.csv --plot r.png",
 )
-@click.option("--c0", type=Number("c0"), required=True, help="Spontaneous curvature.")
-@click.option("--periods", type=Numbers("period"), required=True, help="Axial periods of one pearl, above 2 pi.")
+@click.option("--c0", type=Numbers("c0"), required=True, help="Spontaneous curvatures.")
+@click.option("--periods", type=Numbers("period"), required=True, help="Axial periods of one pearl.")
 @click.option(
-    "--pearls", type=Numbers(), default="2,3,4,6,8,16", show_default=True, help="Numbers of pearls on the tube."
-)
+    "--pearls", default="1,2,4,8,inf", show_default=True,
+    help="Numbers of pearls on the tube; inf for a tube of any length.",
+)  # fmt: skip
+@click.option(
+    "--starts", type=click.IntRange(min=0), default=6, show_default=True,
+    help="Relax so many random shapes of each period, to find pearls that no branch from the straight tube leads to.",
+)  # fmt: skip
+@click.option("--processes", type=click.IntRange(min=1), help="How many.  [default: one a core]")
 @outputs
 @radius_option
 def region(
-    c0: float, periods: list[float], pearls: list[float], out: Path | None, plot: Path | None, units: Units
+    c0: list[float],
+    periods: list[float],
+    pearls: str,
+    starts: int,
+    processes: int | None,
+    out: Path | None,
+    plot: Path | None,
+    units: Units,
 ) -> int:
-    """Where periodic pearls are stable, in the plane of period and volume.
+    """Where equal pearls are stable, in the plane of period and volume.
 
-    Columns: those of `localized`, a row for each period and number of pearls. Where status is found, the pearls
-    are stable from v = 1 to the v of the row.
+    Columns: those of `localized`, v_from, v_to, from_limit, n_from, theta_from, to_limit, n_to, theta_to. A row an
+    interval of volumes, v_from to v_to, on which so many pearls are stable; each end is at a wave that begins to grow,
+    a fold, the unduloid (infinite multipliers), the straight tube, or a thin neck. v, lambda1, ... are at the end that
+    is not the straight tube.
     """
     from pearlbvp.studies.region import stability_region
 
     out, plot = check_outputs(out, plot)
-    tubes = [units.tube(c0, period) for period in periods]
-    table = units.columns(stability_region(tubes[0].c0, [tube.length for tube in tubes], pearls))
+    curvatures = [units.tube(value, periods[0]).c0 for value in c0]
+    lengths = [units.tube(c0[0], period).length for period in periods]
+    table = units.columns(stability_region(curvatures, lengths, pearls, starts=starts, processes=processes))
 
     def draw() -> Figure:
         from pearlbvp.figures.region import draw_region

@@ -310,7 +310,7 @@ QUESTIONS: Mapping[str, Question] = {
         Question(
             "region", ("c0", "period", "pearls"), LOCALIZED, lambda cases: _region(cases)[0],
             lambda case: case.parameters[:1], lambda case: case.parameters[:2], _region, _c0, integers=("pearls",),
-            says="In which part of the plane of period and volume pearls are stable.",
+            says="Up to which volume pearls that leave the straight tube are stable, in the plane of period and volume.",
             example="region --c0 0.3:0.48:0.02 --period 6.6:10:0.1 --store r.sqlite",
         ),
         Question(

@@ -47,6 +47,11 @@ class Unduloid:
     mean: float
     v: float
 
+    @property
+    def r_min(self) -> float:
+        """Radius of the neck."""
+        return (1 - self.shape) / (2 * self.mean)
+
 
 def _integrals(shape: float) -> tuple[float, float, float]:
     """Of one period where ``H = 1``: its length, and the integrals of ``r`` and ``r^2`` along arclength and axis."""

@@ -47,7 +47,9 @@ def beside_unduloids(
             and unduloid.v <= high
             and not any(_passes(b, pearls, unduloid) for b in branches.values())
         ):
-            shape = next((s for s in _sides(tube, pearls, unduloid) if s.spectrum.n_unstable <= unstable), None)
+            # On the second side the tension is large and negative, and many waves grow.
+            sides = (beside(tube, pearls, unduloid, side) for side in (BESIDE, -BESIDE))
+            shape = next((s for s in sides if s is not None and s.spectrum.n_unstable <= unstable), None)
             if shape is not None:
                 found[f"unduloid {pearls}"] = follow(shape)
         pearls += 1
@@ -81,25 +83,21 @@ def _passes(branch: Branch[Any], pearls: int, unduloid: Unduloid) -> bool:
     )
 
 
-def _sides(tube: Tube, pearls: int, unduloid: Unduloid) -> list[Solution[Any]]:
-    """Pearls on either side of an unduloid, where they can be computed.
+def beside(tube: Tube, pearls: int, unduloid: Unduloid, compliance: float) -> Solution[Any] | None:
+    """Pearls beside an unduloid, at a compliance ``1/lambda1``; None where they cannot be computed.
 
     Energies are smooth there, and ``-2 dE/dv = lambda2`` is infinite: the volume turns. So the compliance is what to step in.
     """
-    problem, u = unduloid_pearl(tube.c0, unduloid, cells=pearls)
-    place = len(u) - len(problem.free) + problem.free.index("compliance")
-    found = []
-    for side in (BESIDE, -BESIDE):  # on the second the tension is large and negative, and many waves grow
-        guess = u.copy()
-        guess[place] = side
-        result, _ = correct_at(problem, guess, NewtonOptions(), place)
-        if not result.converged:
-            continue
-        plain, (v,) = problem.plain(result.u)
-        upwards = np.zeros_like(v)
-        upwards[-1] = 1.0
-        try:
-            found.append(Solution.along(plain, v, tangent_along(plain, v, upwards)).computed())
-        except (SpectrumError, np.linalg.LinAlgError):
-            continue
-    return found
+    problem, guess = unduloid_pearl(tube.c0, unduloid, cells=pearls)
+    place = len(guess) - len(problem.free) + problem.free.index("compliance")
+    guess[place] = compliance
+    result, _ = correct_at(problem, guess, NewtonOptions(), place)
+    if not result.converged:
+        return None
+    plain, (v,) = problem.plain(result.u)
+    upwards = np.zeros_like(v)
+    upwards[-1] = 1.0
+    try:
+        return Solution.along(plain, v, tangent_along(plain, v, upwards)).computed()
+    except (SpectrumError, np.linalg.LinAlgError):
+        return None

@@ -15,7 +15,6 @@ from pearlbvp.studies.amplitude import instability_map
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.studies.localized import localized_pearls
 from pearlbvp.studies.period import pearl_periods
-from pearlbvp.studies.region import stability_region
 
 
 def _branch(c0, L, family, mode, v):
@@ -30,7 +29,7 @@ PLAIN = {
     ),
     "localized": lambda c0, period, L: localized_pearls(c0, period, [L]),
     "period": lambda c0, L: pearl_periods(c0, [L], progress=False),
-    "region": lambda c0, period, pearls: stability_region(c0, [period], [pearls], progress=False),
+    "region": lambda c0, period, pearls: localized_pearls(c0, period, [pearls * period]),
     "amplitude-map": lambda c0, L: instability_map(c0, L, progress=False),
     "branch": _branch,
 }
