@@ -48,6 +48,23 @@ class Solution(solutions.Solution[Any]):
 
         return shape_mesh(self, nodes)
 
+    def export(self, path: str | os.PathLike[str], nodes: int = 3000, units: Units = RADII) -> None:
+        """Write the surface for another program: ``.vtu`` (ParaView), ``.ply``, ``.obj`` (Blender), ``.fe`` (Surface Evolver).
+
+        Args:
+            path: whose ending names the format.
+            nodes: vertices, about.
+            units: of the vertices.
+
+        Raises:
+            InputError: another ending, or a place that cannot be written to.
+        """
+        from pearlbvp.mesh.files import writable_mesh, write_mesh
+
+        writable_mesh("path", path)
+        c0 = units.to_user("H", self.observables["c0"])
+        write_mesh(units.surface(self.surface(nodes)), path, c0=c0, name="path")
+
     def plot(self) -> Figure:
         """A picture of the surface."""
         from pearlbvp.figures.surface import draw_surfaces
@@ -287,6 +304,7 @@ def followed_by(follow: Any, until: Until | None, how: Mapping[str, Any]) -> Bra
     with progress("point") as bar:
 
         def count(so_far: core.Branch[Any]) -> None:
+            bar.set_postfix(v=f"{so_far.points[-1].observables.get('v', math.nan):.5f}", refresh=False)
             bar.update(len(so_far.points) - bar.n)
 
         return Branch.of(follow(branch_options(until, progress=count, **how)))
