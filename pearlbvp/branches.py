@@ -15,6 +15,7 @@ from pearlbvp.continuation import branch as core
 from pearlbvp.continuation import solution as solutions
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import whole
+from pearlbvp.messages import counted
 from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
@@ -134,7 +135,8 @@ class Branch(core.Branch[Any]):
             return [_solution(self.at(special)) for special in self.find(which)]
         found = self.find(kind)
         if not 1 <= int(number) <= len(found):
-            raise InputError("point", f"the branch has {len(found)} special points {kind}, so there is no {which}")
+            there = counted(len(found), f"special point {kind}", f"special points {kind}")
+            raise InputError("point", f"the branch has {there}, so there is no {which}", "follow it further")
         return _solution(self.at(found[int(number) - 1]))
 
     def resume(self, until: Until | None = None, **how: Any) -> Branch:

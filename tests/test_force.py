@@ -9,6 +9,7 @@ from support.other_tubes import derivative, on_tube, stretched
 from support.shapes import SHAPES, pearl, shape
 
 import pearlbvp as pb
+from pearlbvp.force import axial_force
 from pearlbvp.held import coefficients
 from pearlbvp.helfrich import cylinder_force
 from pearlbvp.mesh.families import tube_mesh
@@ -35,6 +36,16 @@ def test_the_integrated_mean_curvature_is_the_derivative_of_the_energy_by_c0(nam
     area = 2 * math.pi * known["L"]
     slope = derivative(lambda c0: area * on_tube(problem, u, c0, known["L"], known["v"])["E"], known["c0"], 2e-3)
     assert slope == pytest.approx(2 * (known["c0"] * area - known["M"]), rel=1e-8)
+
+
+@pytest.mark.parametrize("s", [0.8, 1.3])
+def test_a_similar_shape_of_another_area_has_the_force_of_its_size(s):
+    """Energies of similar shapes are equal, so that forces are theirs by lengths; ``area`` and ``v`` count by ``2 pi L``."""
+    problem, u = SHAPES["pearl"]()
+    known = problem.observables(u)
+    powers = {"lambda1": -2, "lambda2": -3, "c0": -1, "L": 1, "M": 1, "v": 2}
+    similar = {name: known[name] * s**power for name, power in powers.items()} | {"area": s}
+    assert axial_force(similar) == pytest.approx(known["force"] / s, rel=1e-12)
 
 
 def test_a_known_pearl_has_its_known_force():

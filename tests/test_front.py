@@ -50,7 +50,7 @@ def test_points_by_number_by_slice_and_by_kind(pearls):
     for unknown in ("nope", "v=1.005", "bp:x", "", "fold:q"):
         with pytest.raises(pb.InputError, match="^point: .* is no special point; give one like"):
             pearls[unknown]
-    with pytest.raises(pb.InputError, match="has 1 special points bp"):
+    with pytest.raises(pb.InputError, match="has 1 special point bp, so"):
         pearls["bp:2"]
 
 
@@ -100,7 +100,14 @@ def test_a_diagram_draws_any_two_columns():
         (lambda pearls: pb.dispersion(0.48), r"^tube: float must be a tube"),
         (lambda pearls: pb.branch(pb.Tube(0, 10), "ring", (10, 0)), r"give 0,2$"),
         (lambda pearls: pb.branch(pb.Tube(0, 10), "pearl", nodes=200, tolerance=1e-9), r"^tolerance: meshes have none"),
-        (lambda pearls: pearls.follow("fold:q", 1, "c0"), r"^follow: 'fold:q' is no turning point of a column"),
+        (lambda pearls: pearls.switch(9), r"^number: the branch has \d branch points?, so there is none of number 9; follow"),
+        (lambda pearls: pearls.follow("bp", 9, "c0"), r"^number: the branch has 1 special point bp, so there is none of"),
+        (lambda pearls: pb.flow(pearls[-1], nodes=100_000, law="diffusion"),  # at once: such a mesh takes minutes
+         r"^nodes: the H\^-1 flow of 100000 vertices takes too large matrices; stay below 4000$"),
+        (lambda pearls: pearls["bp:9"], r"^point: the branch has 1 special point bp, so there is no bp:9; follow it further$"),
+        (lambda pearls: pearls.vary("L", {"bp": 1}).follow("bp", 1, "L"),
+         r"^vary: L varies along the branch itself; follow its special points while c0 varies$"),
+        (lambda pearls: pearls.follow("fold:q", 1, "c0"), r"^kind: 'fold:q' is no turning point of a column"),
     ],
 )  # fmt: skip
 def test_mistakes_are_one_line(pearls, call, said):

@@ -13,7 +13,10 @@ from pearlbvp.commands.units import enter_units
 from pearlbvp.errors import InputError
 from pearlbvp.units import RADII, Units
 
-ALSO = {"length": ("--periods", "--period", "--lengths"), "v": ("--volume",)}
+ALSO = {
+    "length": ("--periods", "--period", "--lengths"), "v": ("--volume",), "kind": ("KIND:K",), "number": ("KIND:K",),
+    "vary": ("NAME",),
+}  # fmt: skip
 """Options that hold what the package calls otherwise, where a command has none of its name."""
 
 
@@ -107,8 +110,9 @@ def style_of(context: click.Context) -> AbstractContextManager[None]:
 
 
 def option_of(argument: str, params: Sequence[click.Parameter]) -> str:
-    """The option of a command that an argument of Python comes from, if any; the argument's first word is its name."""
-    options = _options(params)
+    """The option or word of a command that an argument of Python comes from, if any; its name is the argument's first word."""
+    words = {str(param.name): _word(param) for param in params if isinstance(param, click.Argument)}
+    options = words | _options(params)
 
     def typed(name: str) -> str:
         if name in options:

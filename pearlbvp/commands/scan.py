@@ -205,9 +205,9 @@ def _questions(store: Store, name: str | None) -> list[Question]:
 
     names = store.questions()
     if not names:
-        raise InputError("--store", f"{store.path} holds no cases yet")
+        raise InputError("--store", f"{store.path} holds no cases yet", "ask a question first, like scan dispersion")
     if name is not None and name not in names:
-        raise InputError("--question", f"the store holds no {name}, but {', '.join(names)}")
+        raise InputError("--question", f"the store holds no {name}", f"choose one of {', '.join(names)}")
     return [question_named(one) for one in ([name] if name else names)]
 
 

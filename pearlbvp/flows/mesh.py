@@ -129,6 +129,18 @@ class _Shape:
         return (metric + metric.T) / 2
 
 
+def check_nodes(law: Law, count: int) -> None:
+    """Refuse meshes whose matrices would be too large.
+
+    Raises:
+        InputError: their vertices are too many for the law.
+    """
+    if law == "diffusion" and count > MOST_NODES:
+        raise InputError(
+            "nodes", f"the H^-1 flow of {count} vertices takes too large matrices", f"stay below {MOST_NODES}"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class MeshFlow:
     """Triangulated tubes near a reference; ``q`` holds the displacements of its ``V`` vertices.
@@ -150,11 +162,7 @@ class MeshFlow:
 
     def __post_init__(self) -> None:
         check_law(self.law)
-        if self.law == "diffusion" and self.reference.mesh.count > MOST_NODES:
-            count = self.reference.mesh.count
-            raise InputError(
-                "nodes", f"the H^-1 flow of {count} vertices takes too large matrices", f"stay below {MOST_NODES}"
-            )
+        check_nodes(self.law, self.reference.mesh.count)
 
     @property
     def c0(self) -> float:

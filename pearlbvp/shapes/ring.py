@@ -257,7 +257,9 @@ class RingProblem(Collocated, MembraneProblem):
             if isinstance(error, LiftError):
                 raise
             raise InputError(
-                "switch", f"at v = {u[-1]:.4f} the ring is not star-shaped about its centre, as tubes need it"
+                "number",
+                f"at v = {u[-1]:.4f} the ring is not star-shaped about its centre, as tubes need it",
+                "switch at a branch point before",
             ) from None
 
     def radius_cosines(self, u: Array, count: int) -> Array:

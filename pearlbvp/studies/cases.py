@@ -130,7 +130,7 @@ def cases_of(table: pd.DataFrame, convention: Convention) -> Iterator[Case]:
         try:
             yield Case.of({name: float(values[i]) for name, values in columns.items()}, convention)
         except InputError as error:
-            raise InputError("CASES", f"row {i + 1}, {error}") from None
+            raise InputError("CASES", f"row {i + 1}, {error.argument}: {error.what}", error.remedy) from None
 
 
 def _in_si(table: pd.DataFrame) -> dict[str, Array]:

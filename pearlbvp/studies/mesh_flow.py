@@ -8,7 +8,7 @@ import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.solution import Solution
-from pearlbvp.flows.mesh import MeshFlow, mesh_flow
+from pearlbvp.flows.mesh import MeshFlow, check_nodes, mesh_flow
 from pearlbvp.flows.problem import Law
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE, finite
 from pearlbvp.mesh.adaptation import smoothed
@@ -35,6 +35,8 @@ def mesh_start(
         InputError: the mesh is too coarse for the shape, or an argument cannot be used.
     """
     found = point.observables
+    if isinstance(nodes, int):
+        check_nodes(law, nodes)  # before the mesh is made
     if isinstance(point.problem, MeshProblem):
         problem, u = point.problem, point.u
     elif found["amplitude"] < SMALLEST_AMPLITUDE:

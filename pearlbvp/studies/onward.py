@@ -20,6 +20,7 @@ from pearlbvp.errors import InputError
 from pearlbvp.held import Held, known_held
 from pearlbvp.helfrich import choice, whole
 from pearlbvp.membrane import MembraneProblem
+from pearlbvp.messages import counted
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.studies.branch import SPECIAL, TURNS, known_branch, known_options
 from pearlbvp.units import Sentence
@@ -202,23 +203,29 @@ def followed(
         InputError: there is no such special point, or it was not located, or ``vary`` is another name, or the branch is one
             of rings.
     """
-    parameter, options, number = _varying(branch, vary), known_options(options), whole("follow", number)
+    parameter, options, number = _varying(branch, vary), known_options(options), whole("number", number)
     if kind != "bp" and not str(kind).startswith("fold:"):
-        raise InputError("follow", f"{kind!r} is no kind of point to follow", "give bp, or fold:NAME like fold:v")
+        raise InputError("kind", f"{kind!r} is no kind of point to follow", "give bp, or fold:NAME like fold:v")
     if kind not in SPECIAL:
         names = ", ".join(TURNS)
-        raise InputError("follow", f"{kind!r} is no turning point of a column", f"choose one of {names} after fold:")
+        raise InputError("kind", f"{kind!r} is no turning point of a column", f"choose one of {names} after fold:")
     found = branch.find(kind)
     if not 1 <= number <= len(found):
         raise InputError(
-            "follow",
-            f"the branch has {len(found)} special points {kind}, so there is none of number {number}",
+            "number",
+            f"the branch has {counted(len(found), f'special point {kind}', f'special points {kind}')}, so there is none of "
+            f"number {number}",
             "follow it further",
         )
     if not found[number - 1].converged:
-        raise InputError("follow", f"{kind} number {number} was not located", "follow the branch in shorter steps")
+        raise InputError("number", f"{kind} number {number} was not located", "follow the branch in shorter steps")
     branch = held_from(branch, found[number - 1].index, fix)
     start = branch.at(found[number - 1])
+    if parameter in start.problem.free:
+        other = "c0" if vary == "L" else "L"
+        raise InputError(
+            "vary", f"{vary} varies along the branch itself", f"follow its special points while {other} varies"
+        )
     sign = math.copysign(1.0, start.problem.signed_amplitude(start.u))
 
     def excess(point: Solution[CurveOnSurface]) -> float:
@@ -304,13 +311,13 @@ def switched(
     special, options = numbered(branch, number), known_options(options)
     if special.change == 0 and not branch.points[-1].problem.rejoins:
         raise InputError(
-            "switch", f"at branch point {number} the branch meets a more symmetric one", "follow that from its start"
+            "number", f"at branch point {number} the branch meets a more symmetric one", "follow that from its start"
         )
     try:
         return switch(held_from(branch, special.index, fix), special, options, centre=middle, grow=grow)
     except LiftError as error:
         what, remedy = f"at branch point {number} {error}", _on_a_mesh(branch, special)
-        raise InputError("switch", what, remedy) from None
+        raise InputError("number", what, remedy) from None
 
 
 def _on_a_mesh(branch: Branch[Any], special: SpecialPoint) -> str:
@@ -337,16 +344,16 @@ def numbered(branch: Branch[Any], number: int) -> SpecialPoint:
         InputError: there is none, or it was not located.
     """
     found: list[SpecialPoint] = known_branch(branch).find("bp")
-    number = whole("switch", number)
+    number = whole("number", number)
     if not 1 <= number <= len(found):
         raise InputError(
-            "switch",
-            f"the branch has {len(found)} branch points, so there is none of number {number}",
+            "number",
+            f"the branch has {counted(len(found), 'branch point')}, so there is none of number {number}",
             "follow it further",
         )
     special = found[number - 1]
     if not special.converged:
         raise InputError(
-            "switch", f"branch point {number} was not located", "follow the branch in shorter steps (max_step)"
+            "number", f"branch point {number} was not located", "follow the branch in shorter steps (max_step)"
         )
     return special

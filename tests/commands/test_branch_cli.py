@@ -175,7 +175,7 @@ def test_tubes_are_saved_resumed_and_switched(capsys, tmp_path):
         ("branch torus", ("--c0", "0", "--length", "10"), "choose one of pearl, ring, coil, buckle"),
         ("vary", ("SAVED", "L"), "studies.ring_onsets"),
         ("switch", ("SAVED", "1", "--centre", "neck"), "--centre"),
-        ("switch", ("SAVED", "7"), "none of number 7"),
+        ("switch", ("SAVED", "7"), "K: the branch has 0 branch points, so there is none of number 7"),
         ("branch coil", ("--c0", "0", "--length", "10", "--tolerance", "1e-8"), "--tolerance"),
         ("branch ring", ("--c0", "0", "--length", "10", "--mode", "1,2"), "--mode"),
         ("branch coil", ("--c0", "0", "--length", "10", "--mode", "1,0"), "--mode"),

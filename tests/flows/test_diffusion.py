@@ -69,6 +69,27 @@ def test_the_stiffness_is_the_mean_square_of_the_normal_displacement_s_gradient(
     assert rate @ tube.stiffness(problem.waves) @ rate == pytest.approx(by_hand, rel=1e-7)
 
 
+def test_the_metric_of_meshes_is_the_mean_square_of_the_potential_s_gradient():
+    """The potential by a dense pseudo-inverse, its gradient on each triangle by the products of two of its sides."""
+    reference, _ = straight(tube_mesh(L, 200), C0, LAMBDA2)
+    mesh, rng = reference.mesh, np.random.default_rng(3)
+    shape = MeshFlow(reference, "diffusion")._at(0.05 * rng.standard_normal(mesh.count))
+    corners, triangles = shape.surface.corners, mesh.triangles
+    sides = corners[:, 1:] - corners[:, :1]
+    products = sides @ sides.transpose(0, 2, 1)
+    sizes = np.sqrt(np.linalg.det(products)) / 2
+    shares, stiffness = np.zeros(mesh.count), np.zeros((mesh.count, mesh.count))
+    steps = np.array([[-1.0, 1, 0], [-1, 0, 1]])  # of a function along the two sides, by its values
+    for corner in triangles.T:
+        np.add.at(shares, corner, sizes / 3)
+    local = sizes[:, None, None] * (steps.T @ np.linalg.inv(products) @ steps)
+    np.add.at(stiffness, (triangles[:, :, None], triangles[:, None, :]), local)
+    rate = rng.standard_normal(mesh.count)
+    rate -= (shares @ shape.lifting @ rate) / (shares @ shape.lifting @ np.ones(mesh.count))  # which keeps the volume
+    sources = shares * (shape.lifting @ rate)
+    assert rate @ shape.spread(rate) == pytest.approx(sources @ np.linalg.pinv(stiffness) @ sources, rel=1e-9)
+
+
 def test_axisymmetric_tubes_flow_as_graphs_do():
     """Two discretizations that share no line: the graph keeps its volume without a multiplier."""
     graph, tube = GraphFlow(0.0, L, 48, "diffusion"), TubeFlow(0.0, L, (12, 2), "diffusion")

@@ -27,6 +27,7 @@ from pearlbvp.scans.store import Store
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.localized import localized_pearls
 from pearlbvp.studies.pearl_series import FEWEST
+from pearlbvp.theory.elastica import ring_at
 
 DISPERSION = QUESTIONS["dispersion"]
 
@@ -49,6 +50,16 @@ def test_a_branch_is_asked_at_volumes_on_either_side(tmp_path):
     assert found["status"].tolist() == ["none_in_range", "found", "found"]
     alone = pb.branch(pb.Tube(0.0, 10), "pearl", (1, 0), until={"v": 1.04})[-1]
     assert found["lambda2"][2] == pytest.approx(alone.observables["lambda2"], abs=1e-8)
+
+
+def test_a_branch_is_asked_up_to_where_it_ends(tmp_path):
+    """Rings of two lobes touch themselves below v = 0.28, whatever their stability."""
+    volumes = [0.2, 0.3, 0.5]
+    found = scan("branch", tmp_path / "s.sqlite", c0=0.0, L=10, family="ring", mode="0:2", v=volumes, workers=1)
+    assert found["status"].tolist() == ["none_in_range", "found", "found"]
+    assert "the ring touches itself" in found["message"][0]
+    for v, lambda2 in zip(volumes[1:], found["lambda2"][1:], strict=True):
+        assert lambda2 == pytest.approx(ring_at(2, "v", v).lambda2, abs=1e-8)
 
 
 def test_shapes_of_a_tube_are_asked_by_volume(tmp_path):

@@ -117,7 +117,7 @@ def test_cases_that_fail_are_said_and_done_again(capsys, tmp_path):
         (["growth", "--c0", "0", "--tension", "1", "--lengths", "0", "--store", "s"], "--lengths: "),
         (["dispersion", "--c0", "0", "--lengths", "10", "--store", "no/s"], "/no does not exist; make it first"),
         (["dispersion", "--c0", "0", "--lengths", "10", "--store", "s", "--workers", "2", "--scheduler", "tcp://x:1"], "--workers: "),
-        (["branch", "blob", "--mode", "1,1", "--c0", "0", "--lengths", "10", "--volumes", "0.9", "--store", "s"], "family: "),
+        (["branch", "blob", "--mode", "1,1", "--c0", "0", "--lengths", "10", "--volumes", "0.9", "--store", "s"], "FAMILY: "),
         (["--radius", "50nm", "dispersion", "--c0", "0", "--lengths", "10", "--store", "s"], "--radius: it stands before dispersion"),
         (["branch", "pearl", "--mode", "1,1", "--c0", "0", "--lengths", "10", "--volumes", "1.1", "--store", "s"], "--mode: pearls"),
         (["branch", "coil", "--mode", "x", "--c0", "0", "--lengths", "10", "--volumes", "0.9", "--store", "s"], "--mode: "),

@@ -54,6 +54,16 @@ def test_derivatives_are_those_of_differences():
     np.testing.assert_allclose(outline.hessian(q, multipliers), slope(lagrangian), atol=1e-8)
 
 
+def test_states_obey_the_equations_of_the_arclength():
+    """``r' = sin psi``, ``psi' = cos psi/r - 2h`` and ``h' = w`` along ``s = S sigma``, by differences."""
+    outline, random, h = Outline(0.3, 5.0, 1.05, 6), np.random.default_rng(2), 1e-5
+    smooth = 0.3 * random.standard_normal(6) / np.arange(1, 7) ** 3
+    q, sigma = np.concatenate((smooth, [1.1, 5.2])), np.linspace(0.1, 0.9, 9)
+    r, psi, bend, w = outline.states(q, sigma).T
+    slopes = (outline.states(q, sigma + h) - outline.states(q, sigma - h)).T / (2 * h * 5.2)
+    np.testing.assert_allclose(slopes[:3], [np.sin(psi), np.cos(psi) / r - 2 * bend, w], atol=1e-7)
+
+
 def test_steps_leave_a_saddle_and_end_at_a_minimum():
     assert np.linalg.norm(step_within(np.array([-1.0, 2.0]), np.zeros(2), 0.5)) == pytest.approx(0.5)
     np.testing.assert_allclose(step_within(np.array([1.0, 4.0]), np.array([-1.0, 2.0]), 9.0), [1.0, -0.5])

@@ -178,11 +178,11 @@ def test_mistakes(call, name):
 
 
 def test_switches_that_cannot_be(four, monkeypatch):
-    with pytest.raises(InputError, match="^switch: the branch has 2"):
+    with pytest.raises(InputError, match="^number: the branch has 2"):
         switched(four, 3, branch_options())
     branch = family_branch(Tube(0.75, 10), "pearl", (1, 0), branch_options({"bp": 1}))
     monkeypatch.setattr(Profile, "is_graph", False)
-    with pytest.raises(InputError, match="^switch: .*overhang.*a mesh may follow them"):
+    with pytest.raises(InputError, match="^number: .*overhang.*a mesh may follow them"):
         switched(branch, 1, branch_options())
     assert pearls.path(0.48, 7.5, 1.03).points[0].problem.cells == 1
     with pytest.raises(ValueError, match="^cells: "):

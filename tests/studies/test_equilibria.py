@@ -70,6 +70,24 @@ def test_a_straight_tube_is_pulled_by_its_energy_by_length(found):
     assert slope == pytest.approx(0, abs=1e-9 * 2 * math.pi * radius * row["pressure[Pa]"])
 
 
+def test_the_energy_by_length_gives_the_force():
+    """The energy ``e`` of pearls above the straight tube's: ``d(e L)/dL``, the solute by length kept, is the work of the force
+    less what bringing the solute into pearls gains, ``n log v`` by length.
+    """  # fmt: skip
+    case, h = axons((0.01, 400, 100)).assign(**{"length[nm]": 361.0}), 0.1
+    spacings = (360 - h, 360, 360 + h)
+    table = computed(pd.concat([case.assign(**{"spacing[nm]": one}) for one in spacings], ignore_index=True))
+    energy, row = table["energy[pN]"], table.iloc[1]
+    by_length = energy[1] + 360 * (energy[2] - energy[0]) / (2 * h)
+    kappa, tension, radius = 100 * KT, 1e-5, row["straight[nm]"] * 1e-9 / 2
+    c0 = math.sqrt(1 / (4 * 50e-9**2) - tension / kappa)
+    size = (radius / 50e-9) ** 2  # volume of the straight tube, as ``volume`` counts
+    pressure = RT / 700 * (900 / size - 400)
+    straight = 2 * math.pi * radius * (kappa * (1 / (2 * radius) - c0) ** 2 + tension) - pressure * math.pi * radius**2
+    gained = RT / 700 * 900 * math.pi * 50e-9**2 * math.log(row["volume"] / size)
+    assert by_length == pytest.approx(row["force[pN]"] - 1e12 * (straight + gained), abs=2e-6)
+
+
 def test_tubes_that_are_similar_have_similar_pearls(found):
     # Lengths twice and energies three times as large: forces 3/2, tensions 3/4, pressures and osmolarities 3/8 times.
     powers = {"radius[nm]": 2, "length[nm]": 2, "spacing[nm]": 2, "kappa[kT]": 3, "tension[mN/m]": 3 / 4,

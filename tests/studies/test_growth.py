@@ -57,6 +57,29 @@ def test_between_the_two_tensions_nothing_grows_and_beyond_them_something_does(c
             assert (wave.n == 0 and wave.k < 1) == (tension > pearl)
 
 
+@pytest.mark.parametrize("c0", [-0.9, 0.0, 0.45])
+def test_at_either_tension_one_wave_is_neutral(c0):
+    """By the growth rate as the paper prints it, eq. (eigs), over all waves that fit."""
+    m, n = np.meshgrid(np.arange(40), np.arange(12), indexing="ij")
+    kk, around = (2 * np.pi * m / 11) ** 2, n**2
+    waves = (m > 0) | (n > 1)
+    for tension in stable_tensions(c0, pb.Tube(c0, 11)):
+        q, lambda2 = kk + around, 0.25 - tension - c0**2
+        mu = -(q**2) / 2 + (lambda2 + 1) * q - (lambda2 + 0.5) - (1 - 2 * c0) * kk
+        assert mu[waves].max() == pytest.approx(0, abs=1e-12)
+
+
+@settings(max_examples=10)
+@given(st.floats(-1, 0.6), st.floats(-4, 20))
+def test_waves_are_listed_up_to_where_none_grows(c0, tension):
+    """And a fifth beyond, by the growth rate on a fine grid."""
+    table = growth(c0, tension, max_n=6)
+    k = np.linspace(0.02, 12, 600)
+    grow = [stokes_rate(k, n, 0.25 - tension - c0**2, c0) > 0 for n in range(7)]
+    growing = k[np.any(grow, axis=0)]
+    assert table.k.max() >= max(1.5, 1.19 * growing.max(initial=0))
+
+
 @given(st.floats(-1, 1), st.floats(-2, 5))
 def test_the_force_is_the_slope_of_the_energy_by_the_length(c0, tension):
     """At given area and volume, over straight tubes whose multipliers take up what changes besides."""

@@ -84,6 +84,32 @@ def test_at_the_meeting_buckles_are_stable_as_predicted():
     assert math.log(errors[1] / errors[0]) / math.log((1 - volumes[1]) / (1 - volumes[0])) > 1.3  # 3/2 as v tends to 1
 
 
+def test_growth_rates_are_those_of_the_equations_as_printed():
+    """Their right-hand sides for complex amplitudes, differentiated by differences, where the volume stays."""
+    both, (lambda2, amplitudes) = WrinklesAndCoils(Tube(AT + 0.01, L)), (1.47, np.array([0.03, 0.05, -0.04]))
+    (a_m, a_2), (b1, b2, cross, b), force = both.a, both.cubic, both.force(lambda2)
+
+    def rate(six):
+        A, B, C = z = six[:3] + 1j * six[3:]
+        squares = abs(z) ** 2
+        found = np.array([
+            a_m * (lambda2 - both.onset) * A + force * B * C + A * ([b1, b2, cross] @ squares),
+            a_m * (lambda2 - both.onset) * B + force * A * C.conj() + B * ([b2, b1, cross] @ squares),
+            a_2 * (lambda2 - WRINKLES) * C + force * A * B.conj() + C * ([cross, cross, b] @ squares),
+        ])  # fmt: skip
+        return np.append(found.real, found.imag)
+
+    def slopes(function, at, h=1e-5):
+        return np.array([(function(at + h * one) - function(at - h * one)) / (2 * h) for one in np.eye(len(at))])
+
+    normal = np.append(slopes(lambda z: both.volume(*z), amplitudes), np.zeros(3))
+    kept = np.eye(6) - np.outer(normal, normal) / (normal @ normal)
+    jacobian = slopes(rate, np.append(amplitudes, np.zeros(3)))
+    found = np.linalg.eigvalsh(kept @ (jacobian + jacobian.T) @ kept / 2)
+    found = np.delete(found, abs(found).argmin())  # the direction that changes the volume
+    np.testing.assert_allclose(both.growth_rates(lambda2, *amplitudes), found[::-1], atol=1e-9)
+
+
 def test_far_closer_the_law_of_the_square_root_holds():
     """The leading term alone, of the equations themselves: energy's extremes on an ellipsoid."""
     both = WrinklesAndCoils(Tube(AT, L))

@@ -279,7 +279,7 @@ def test_lambda2_turns_on_the_buckles(coils, buckles):
 
 
 def test_a_switch_back_to_what_is_more_symmetric_is_refused(between):
-    with pytest.raises(InputError, match="^switch: .*more symmetric"):
+    with pytest.raises(InputError, match="^number: .*more symmetric"):
         switched(between, 1, branch_options())
 
 
