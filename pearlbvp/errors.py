@@ -23,8 +23,12 @@ class InputError(ValueError):
         self.argument, self.what, self.remedy = argument, what, remedy
 
     def __str__(self) -> str:
-        said = f"{self.argument}: " + self.what  # a sum, which leaves a sentence its numbers
-        return said + "; " + self.remedy if self.remedy else said
+        return f"{self.argument}: " + self.why  # a sum, which leaves a sentence its numbers
+
+    @property
+    def why(self) -> str:
+        """What is wrong, and the remedy."""
+        return self.what + "; " + self.remedy if self.remedy else self.what
 
     def named(self, argument: str) -> InputError:
         """The same of an argument that its user knows by another name."""

@@ -298,11 +298,11 @@ def _end(result: Any, save_end: Path | None, units: Units) -> tuple[Any, str]:
     try:
         branch = end_branch(result)
     except InputError as error:  # an end that is no point of a branch: the flow's own word stands
-        why = error.worded(units.said)
+        said = error.worded(units.said)
         if save_end is not None:
-            return None, str(why.named("--save-end"))
+            return None, str(said.named("--save-end"))
         rests = result.equilibrium is not None and result.equilibrium.converged
-        return None, f"{why.what}; {why.remedy}" if rests else ""
+        return None, said.why if rests else ""
     spectrum = branch.points[0].spectrum
     counted = f"n_unstable = {spectrum.n_unstable}"
     if result.state.problem.law != "diffusion":  # whose equilibria are stable alike, but at other rates

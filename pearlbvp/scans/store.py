@@ -79,7 +79,10 @@ class Store:
             raise InputError(name, f"there is no file {path}", "give one that a scan wrote")
         if self.path.exists() and not self.path.is_file():
             raise InputError(name, f"{path} is no ordinary file but a device or a pipe", "give a file's name")
-        self._held = held(self.path)
+        try:
+            self._held = held(self.path)
+        except OSError as error:
+            raise InputError(name, f"{path} cannot be written ({error.strerror})", "choose another place") from None
         self.running = self._held is None
         if writing and self.running:
             raise InputError(name, f"a scan is at work on {path}", "wait for its end, or give another file")

@@ -275,7 +275,7 @@ def _primary(tube: Tube, family: str, mode: WaveNumbers, options: BranchOptions,
     try:
         return family_branch(tube, family, mode, options, fix=held)
     except InputError as error:
-        return str(error)
+        return error.why
 
 
 def _secondary(
@@ -285,7 +285,7 @@ def _secondary(
     try:
         return switched(branch, number, options, centre=centre, grow=grow)
     except InputError as error:
-        return str(error)
+        return error.why
 
 
 SHRINK = "shrink"
