@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
-from pearlbvp.collocation.elimination import LinearSystem, solve, solve_signed
+from pearlbvp.collocation.elimination import LinearSystem, solve, solve_signed, transfer_pencil
 from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points, apply_basis
 from pearlbvp.collocation.problem import BoundaryValueProblem
 from pearlbvp.collocation.scheme import Scheme
@@ -178,6 +178,13 @@ class Discretization:
             return 0.0
         solution = solution.ravel()
         return sign / math.sqrt(self.inner(solution, solution))
+
+    def transfer_pencil(self, u: Array) -> tuple[Array, Array]:
+        """Matrices with ``A_0 y(0) + A_1 y(1) = 0`` for all solutions of the equations linearised at ``u``, parameters kept."""
+        y, p = self.at_gauss_points(u), self.all_parameters(u)
+        by_y, _ = self.problem.rhs_jacobian(self.gauss_points, y, p)
+        mass, _ = self.problem.mass(p)
+        return transfer_pencil(self.scheme, self.h, by_y, mass)
 
     def _system(self, u: Array, row: Array | None) -> LinearSystem:
         """The linearised equations at ``u`` with their borders."""

@@ -322,15 +322,16 @@ def solve_signed(scheme: Scheme, system: LinearSystem, rhs: Array) -> tuple[Arra
     return _substitute(pivots, chain, matrix, system.free.size), float(sign)
 
 
-def transfer_pencil(scheme: Scheme, h: Array, jacobian: Array) -> tuple[Array, Array]:
-    """Matrices with ``A_0 y(0) + A_1 y(1) = 0`` for all solutions of ``y' = jacobian y``, each of shape (n, n).
+def transfer_pencil(scheme: Scheme, h: Array, jacobian: Array, mass: Array | None = None) -> tuple[Array, Array]:
+    """Matrices with ``A_0 y(0) + A_1 y(1) = 0`` for all solutions of ``mass y' = jacobian y``, each of shape (n, n).
 
     The pair stays accurate where the transfer matrix ``-A_1^{-1} A_0`` itself overflows or is ill-conditioned.
     """
     points, n = jacobian.shape[:2]
     shapes = [(0, n), (0, n), (0, 0), (points, 0, n), (points, 0, 0)]
     nothing = (*map(np.empty, shapes), np.empty(0, dtype=np.intp), np.empty((0, points * n + n)))
-    system = LinearSystem(h, jacobian, np.empty((points, n, 0)), np.ones(n), *nothing)
+    mass = np.ones(n) if mass is None else mass
+    system = LinearSystem(h, jacobian, np.empty((points, n, 0)), mass, *nothing)
     rhs = np.empty((points * n, 0))
     _, _, block, _, _ = _condense(scheme.derivatives, scheme.values, scheme.weights, system, rhs)
     return block[:, :n].copy(), block[:, n:].copy()

@@ -1,7 +1,7 @@
 """Functions along a path as Chebyshev series: values, derivatives and crossings between the computed points.
 
 Solutions of ``residual(u) = 0`` form an analytic curve, so any smooth function of a solution is resolved to rounding by
-a few solutions at Chebyshev points. At a pitchfork the branch is even in its arclength ``s``, and ``s^2`` is the variable.
+a few solutions. At a pitchfork the branch is even in its arclength ``s``, and ``s^2`` is the variable.
 Source: L. N. Trefethen, Approximation Theory and Approximation Practice (SIAM 2013), chapters 3, 8 and 18.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import TypeVar
 
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.interpolation import interpolate
+from pearlbvp.continuation.leja import ROUGH, Samples, Until, never, sampled
 from pearlbvp.continuation.path import SAFETY, correct
 from pearlbvp.continuation.problem import P
 from pearlbvp.continuation.solution import Solution
@@ -41,8 +42,8 @@ class PathFunctions:
 
     Attributes:
         coefficients: for each piece, shape (degree + 1, functions), in Chebyshev polynomials of ``2 (x - piece) - 1``.
-        error: largest size of the last coefficients, relative to one plus the function: what is not resolved.
-        solutions: number of solutions computed.
+        error: what the series without it misses of the last solution, relative to one plus the function's size.
+        solutions: number of solutions that they rest on.
     """
 
     __repr__ = brief
@@ -89,7 +90,7 @@ class PathFunctions:
         found = np.full(len(levels), np.nan)
         stretch, rising = passed.argmax(axis=1)[reached], ~above[reached, passed.argmax(axis=1)[reached]]
         found[reached] = between(
-            lambda x: self._with_slope(x, function),
+            self._with_slope(function),
             levels[reached],
             knots[stretch],
             knots[stretch + 1],
@@ -98,15 +99,17 @@ class PathFunctions:
         )
         return found
 
-    def _with_slope(self, x: Array, function: int) -> tuple[Array, Array]:
-        """Values of a function and its derivative at ``x``, shape (K,) each."""
-        piece = np.clip(x.astype(int), 0, len(self.coefficients) - 1)
-        found = np.empty((2, len(x)))
-        for i, c in enumerate(self.coefficients):
-            here, series = piece == i, c[:, function]
-            slope = np.append(chebyshev.chebder(series, scl=2.0), np.zeros(1))
-            found[:, here] = chebyshev.chebval(2 * (x[here] - i) - 1, np.column_stack((series, slope)))
-        return found[0], found[1]
+    def _with_slope(self, function: int) -> Callable[[Array], tuple[Array, Array]]:
+        """A function and its derivative, of ``x``, shape (K,)."""
+        alone = [c[:, function] for c in self.coefficients]
+        both = tuple(np.column_stack((c, np.append(chebyshev.chebder(c, scl=2.0), np.zeros(1)))) for c in alone)
+        functions = replace(self, coefficients=both)
+
+        def value_and_slope(x: Array) -> tuple[Array, Array]:
+            value, slope = functions(x).T
+            return value, slope
+
+        return value_and_slope
 
 
 STEP, ROUNDING = 1e-9, 4e-16
@@ -210,47 +213,63 @@ def in_pieces(
 
 
 def _resolve_piece(
-    points: Sequence[Solution[P]], function: Function[P], tolerance: float, pitchfork: bool, max_degree: int
-) -> tuple[Array, float, int]:
-    """Chebyshev coefficients on one piece, what they leave unresolved, and the number of solutions computed.
+    points: Sequence[Solution[P]],
+    function: Function[P],
+    values: Sequence[Array],
+    tolerance: float,
+    pitchfork: bool,
+    most: int,
+    until: Until,
+) -> Samples:
+    """The functions on one piece, by a coordinate that is 1 at its last point.
 
     All solutions are computed on the last point's mesh, at prescribed arclength along one direction: the first tangent
-    of a pitchfork, else the chord.
+    of a pitchfork, else the chord. Points of the path that are on that mesh serve as they are.
     """
-    first, last = points[0], points[-1]
-    problem = last.problem
-    base, end = problem.transfer(first.problem, first.u), last.u
-    ahead = problem.transfer(first.problem, first.u + 1e-4 * first.tangent)
-    direction = ahead - base if pitchfork else end - base
+    first, problem = points[0], points[-1].problem
+    moved = [problem.transfer(point.problem, point.u) for point in points]
+    base, ahead = moved[0], moved[-1]
+    if pitchfork:
+        ahead = problem.transfer(first.problem, first.u + 1e-4 * first.tangent)
+    direction = ahead - base
     direction = direction / math.sqrt(problem.inner(direction, direction))
-    reach = problem.inner(direction, end - base)
-    options, rate = NewtonOptions(max_iterations=8), 1e4
-    known = {problem.inner(direction, v - base): v for v in (problem.transfer(p.problem, p.u) for p in points)}
+    places = [problem.inner(direction, u - base) for u in moved]
+    if not (np.diff(places) > 0).all():
+        raise Unresolved("the path turns back between two points; take shorter steps")
+    # Off its tangent the branch of a pitchfork is of second order: that is interpolated, by the square of the arclength.
+    order, start, slope = (2, base, direction) if pitchfork else (0, np.zeros_like(base), np.zeros_like(base))
+    off = {s: (u - start - s * slope) / s**order for s, u in zip(places, moved, strict=True) if s > 0 or not pitchfork}
+    power, reach = max(order, 1), places[-1]
+    options, rate = NewtonOptions(max_iterations=8, tolerance=tolerance / 10), 1e4
 
     def sample(t: float) -> Array:
         nonlocal rate
-        s = reach * (math.sqrt(t) if pitchfork else t)
-        if t == 0 and pitchfork:
-            u = base  # the bifurcation point, where the corrector's matrix is singular
-        else:
-            result, _ = correct(problem, interpolate(s, known), direction, base, s, options, rate)
-            rate = SAFETY * result.rate if result.iterations > 1 else rate
-            if not result.converged:
-                raise Unresolved(f"no solution between two points of the path: {result.message}")
-            u = result.u
-        known[s] = u
-        return function(problem, u)
+        s = reach * t ** (1 / power)
+        guess = start + s * slope + s**order * interpolate(s, off)
+        result, _ = correct(problem, guess, direction, base, s, options, rate)
+        rate = SAFETY * result.rate if result.iterations > 1 else rate
+        if not result.converged:
+            raise Unresolved(f"no solution between two points of the path: {result.message}")
+        off[s] = (result.u - start - s * slope) / s**order
+        return function(problem, result.u)
 
-    return series(sample, tolerance, min(8, max_degree), max_degree)
+    known = {
+        (s / reach) ** power: found
+        for s, point, found in zip(places, points, values, strict=True)
+        if point.problem is problem or s == 0
+    }
+    return sampled(sample, known, tolerance, most, until)
 
 
 def resolve(
     points: Sequence[Solution[P]],
     function: Function[P],
     *,
+    values: Sequence[Array] | None = None,
     tolerance: float = 1e-11,
     pitchfork: bool = False,
-    max_degree: int = 32,
+    most: int = 33,
+    until: Until = never,
 ) -> PathFunctions:
     """Resolve smooth functions along a path to ``tolerance``, in as few solutions as that takes.
 
@@ -259,26 +278,32 @@ def resolve(
     Args:
         points: consecutive points of a path, two at least.
         function: from problem and unknown to a vector of values.
-        tolerance: for the last Chebyshev coefficients, relative to one plus the function's size.
+        values: its values at the points, where they are known already.
+        tolerance: for the error, relative to one plus the function's size.
         pitchfork: the first point is a bifurcation point at which the branch is even in its arclength.
-        max_degree: of one piece, a power of two.
+        most: solutions on one piece.
+        until: of values: where it turns negative, the path ends for good.
 
     Raises:
         Unresolved: two neighbouring points are too far apart, or the functions are not smooth between them.
     """
+    if values is None:
+        values = [function(point.problem, point.u) for point in points]
     try:
-        coefficients, error, count = _resolve_piece(points, function, tolerance, pitchfork, max_degree)
+        found = _resolve_piece(points, function, values, tolerance, pitchfork, most, until)
     except Unresolved:
         if len(points) == 2:
             raise
-        error, count = math.inf, 0
-    if error < tolerance or (len(points) == 2 and error < 1e3 * tolerance):
-        return PathFunctions((coefficients,), error, count)
-    if len(points) == 2:
-        raise Unresolved(f"functions along the path are resolved to {error:.1e} only; take shorter steps")
+    else:
+        if found.error < (tolerance if len(points) > 2 else ROUGH * tolerance):
+            degree = len(found.at) - 1
+            at_points = found(found.end * (1 - np.cos(np.pi * np.arange(degree + 1) / degree)) / 2)
+            return PathFunctions((_to_coefficients(degree) @ at_points,), found.error, degree + 1)
+        if len(points) == 2:
+            raise Unresolved(f"functions along the path are resolved to {found.error:.1e} only; take shorter steps")
     middle = len(points) // 2
-    left = resolve(points[: middle + 1], function, tolerance=tolerance, pitchfork=pitchfork, max_degree=max_degree)
-    right = resolve(points[middle:], function, tolerance=tolerance, max_degree=max_degree)
-    return PathFunctions(
-        left.coefficients + right.coefficients, max(left.error, right.error), left.solutions + right.solutions
-    )
+    head, tail = slice(middle + 1), slice(middle, None)
+    former = resolve(points[head], function, values=values[head], tolerance=tolerance, pitchfork=pitchfork, most=most)
+    latter = resolve(points[tail], function, values=values[tail], tolerance=tolerance, most=most, until=until)
+    error, count = max(former.error, latter.error), former.solutions + latter.solutions
+    return PathFunctions(former.coefficients + latter.coefficients, error, count)

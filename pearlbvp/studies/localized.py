@@ -39,6 +39,9 @@ COLUMNS = ["c0", "period", "L", "pearls", "status", "lambda1", "lambda2", "v", "
 FUNCTIONS = ("lambda1", "lambda2", "v", "E", "amplitude_squared", "sum", "cosine")
 V, SQUARE, SUM, COSINE = (FUNCTIONS.index(name) for name in ("v", "amplitude_squared", "sum", "cosine"))
 
+PROFILES = 1e-8
+"""Of the profiles, for remeshing; the functions' errors, of twice the order, are below 1e-12 then."""
+
 
 def functions_of(problem: PearlProblem, u: Array) -> Array:
     """The smooth functions of a solution, in the order of ``FUNCTIONS``: even where pearls shift by half a period.
@@ -47,21 +50,16 @@ def functions_of(problem: PearlProblem, u: Array) -> Array:
     alternating determinants change places: their sum and product are even, ``2 cos(theta) = 4 product - 2``.
     """
     observed = problem.observables(u)
-    radii = problem.discretization.values(u)[[0, -1], 0]
-    even, odd = alternating_determinants(problem.profile(u))
-    squared = ((radii[0] - radii[1]) / 2) ** 2
+    even, odd = alternating_determinants(*problem.discretization.transfer_pencil(u))
+    squared = (problem.signed_amplitude(u) / 2) ** 2
     return np.array([*(observed[name] for name in FUNCTIONS[:4]), squared, even + odd, 4 * even * odd - 2])
 
 
 def has_wave_around(point: Solution[PearlProblem]) -> bool:
     """Whether a point has a neutral Bloch wave of ``n = 1`` or 2 at all, whether or not it fits a tube."""
-    profile = point.problem.profile(point.u)
-    for n in (1, 2):
-        rho = multipliers(profile, n)
-        others = rho[np.argsort(np.abs(rho - 1))][2 if n == 1 else 0 :]  # without the translations across the axis
-        if (np.abs(np.abs(others) - 1) < 1e-6).any():
-            return True
-    return False
+    once, twice = multipliers(point.problem.profile(point.u), [1, 2])
+    others = once[np.argsort(np.abs(once - 1))][2:]  # without the translations across the axis
+    return bool((np.abs(np.abs([*others, *twice]) - 1) < 1e-6).any())
 
 
 @dataclass(frozen=True)
@@ -102,22 +100,26 @@ class PeriodicPearls:
         tube = Tube(c0, check_period(period))
         check_pearls(fewest, 2)
         goal = 2 * math.cos(2 * math.pi / fewest)
-        problem, u, tangent = pearling_onset(tube, intervals=intervals, degree=degree)
-        start = Solution(problem, u, tangent)
-        at_onset = functions_of(problem, u)
+        problem, u, tangent = pearling_onset(tube, intervals=intervals, degree=degree, tolerance=PROFILES)
+        values = [functions_of(problem, u)]
+
+        def left(found: Array) -> Array:
+            """Negative beyond where pearls on ``fewest`` periods lose stability."""
+            return np.minimum(found[..., COSINE] - goal, found[..., SUM] * math.copysign(1.0, values[0][SUM]))
 
         def stop(point: Solution[PearlProblem]) -> str | None:
-            here = functions_of(point.problem, point.u)
-            if here[COSINE] < goal or here[SUM] * at_onset[SUM] < 0:
+            values.append(functions_of(point.problem, point.u))
+            if left(values[-1]) < 0:
                 return "unstable"
             return "neck" if point.observables["r_min"] < THINNEST_NECK else None
 
-        path = follow(start, PathOptions(step=0.1), stop)
+        path = follow(Solution(problem, u, tangent), PathOptions(step=0.05), stop)
         if len(path.points) == 1:
             raise Unresolved(
                 f"the pearls could not be followed from their onset ({path.reason}); take a period further from 2 pi"
             )
-        return cls(tube.c0, tube.length, fewest, path, resolve(path.points, functions_of, pitchfork=True))
+        functions = resolve(path.points, functions_of, values=values, pitchfork=True, until=left)
+        return cls(tube.c0, tube.length, fewest, path, functions)
 
     def neutral_angle(self, x: Array) -> Array:
         """Angle of the neutral Bloch wave at ``x``, from 0 to pi; 0 or pi where there is none."""
@@ -283,7 +285,8 @@ def localized_pearls(c0: float, period: float, lengths: float | str | Iterable[f
     """
     import pandas as pd  # a quarter of a second, in which the command line lets another process find the rows
 
-    return pd.DataFrame(localized_rows(c0, period, as_numbers("lengths", lengths)), columns=COLUMNS)
+    rows = localized_rows(c0, period, as_numbers("lengths", lengths))
+    return pd.DataFrame({name: [row[name] for row in rows] for name in COLUMNS})
 
 
 def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[str, object]]:
@@ -303,5 +306,8 @@ def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[
 
 def localized_row(tube: Tube, period: float, pearls: int, outcome: Outcome) -> dict[str, object]:
     """A row of ``localized_pearls``."""
-    row = {"c0": tube.c0, "period": period, "L": tube.length, "pearls": pearls, **outcome.row()}
-    return {name: row.get(name, math.nan) for name in COLUMNS}
+    return (
+        dict.fromkeys(COLUMNS, math.nan)
+        | {"c0": tube.c0, "period": period, "L": tube.length, "pearls": pearls}
+        | outcome.row()
+    )

@@ -29,6 +29,7 @@ from pearlbvp.studies.amplitude_series import at_shares, first_losses
 from pearlbvp.studies.localized import (
     COSINE,
     FUNCTIONS,
+    PROFILES,
     SQUARE,
     SUM,
     PeriodicPearls,
@@ -203,7 +204,7 @@ def _up_to(c0: float, period: float, reach: float) -> tuple[Array, float]:
     Raises:
         Unresolved: the amplitude is not reached, or not on a straight way.
     """  # fmt: skip
-    problem, u, tangent = pearling_onset(Tube(c0, period))
+    problem, u, tangent = pearling_onset(Tube(c0, period), tolerance=PROFILES)
 
     def stop(point: Solution[PearlProblem]) -> str | None:
         if point.observables["r_min"] < THINNEST_NECK:
@@ -213,7 +214,7 @@ def _up_to(c0: float, period: float, reach: float) -> tuple[Array, float]:
     path = follow(Solution(problem, u, tangent), PathOptions(step=0.1), stop)
     if path.reason != "reached":
         raise Unresolved(f"pearls of period {period:g} do not reach the amplitude of the others: {path.reason}")
-    along = resolve(path.points, functions_of, pitchfork=True)
+    along = resolve(path.points, functions_of, pitchfork=True, until=lambda found: reach - found[:, SQUARE])
     waves = [point.observables["amplitude"] ** 2 for point in path.points[1:] if has_wave_around(point)]
     clear = min(waves, default=math.inf)
     squares = reach * (1 - np.cos(np.pi * np.arange(AMPLITUDES) / (AMPLITUDES - 1))) / 2

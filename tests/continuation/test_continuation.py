@@ -70,13 +70,30 @@ def test_functions_along_the_circle_are_resolved_to_rounding():
 def test_at_a_pitchfork_even_functions_are_polynomials_of_the_square():
     path = follow(start(PITCHFORK, [0, 0], [1, 0]), PathOptions(step=0.1), lambda p: "far" if p.u[1] > 0.5 else None)
     functions = resolve(path.points, lambda problem, u: np.array([u[1], u[0] ** 4]), pitchfork=True)
-    assert functions.solutions == 9
+    assert functions.solutions == len(path.points) + 1  # one more, to see that those of the path are enough
     (x,) = functions.crossings(0, 0.3)
     np.testing.assert_allclose(functions(np.array([x]))[0], [0.3, 0.09], atol=1e-14)
     assert functions.crossings(0, 7.0).size == 0
     first, never = functions.first_crossings(0, np.array([0.3, 7.0]))
     assert first == pytest.approx(x, abs=1e-14)
     assert np.isnan(never)
+
+
+def test_functions_are_resolved_to_a_little_beyond_where_they_are_wanted():
+    """The angle is wanted to 1/2 while the last point of the path is further on."""
+    path = follow(
+        start(CIRCLE, [1, 0], [0, 1]), PathOptions(step=0.4, max_step=0.4), lambda p: "far" if p.u[1] > 0.6 else None
+    )
+    assert path.points[-1].u[1] > 0.7
+
+    def function(problem, u):
+        angle = math.atan2(u[1], u[0])
+        return np.array([angle, u[0], math.exp(8 * angle)])
+
+    functions = resolve(path.points, function, until=lambda found: 0.5 - found[:, 0])
+    (x,) = functions.crossings(0, 0.5)
+    np.testing.assert_allclose(functions(np.array([x]))[0, 1:], [math.cos(0.5), math.exp(4)], rtol=1e-10)
+    assert 0.5 < functions(np.ones(1))[0, 0] < 0.55
 
 
 def test_the_first_of_several_crossings_lies_before_the_first_turn():

@@ -13,7 +13,7 @@ from pearlbvp.collocation import PiecewisePolynomial
 from pearlbvp.collocation.elimination import transfer_pencil
 from pearlbvp.held import Held
 from pearlbvp.stability.bloch import SecondVariation, growth_rates
-from pearlbvp.stability.floquet import jacobi_matrices, multipliers, neutral_cosines
+from pearlbvp.stability.floquet import alternating_determinants, jacobi_matrices, multipliers, neutral_cosines
 from pearlbvp.stability.isothermal import Isothermal
 from pearlbvp.stability.profile import Profile
 from pearlbvp.stability.spectrum import spectrum
@@ -93,6 +93,33 @@ def test_half_period_and_whole_period_give_the_same_angle():
     rho = multipliers(profile, 0)
     by_half = neutral_cosines(profile, 0)[1].real
     assert np.abs(rho + 1 / rho - by_half).min() < 1e-9
+
+
+@pytest.mark.parametrize(("c0", "period", "v_end", "v"), PEARLS)
+def test_alternating_waves_are_those_of_the_profile_s_own_equations(c0, period, v_end, v):
+    """The equations of ``(r, psi, h, w)``, linearised, against those of ``(w, w', D, D')``; and against the cosine."""
+    problem, u = pearls.at(pearls.path(c0, period, v_end), "v", v)
+    profile = problem.profile(u)
+    found = np.array(alternating_determinants(*problem.discretization.transfer_pencil(u)))
+    a0, a1 = transfer_pencil(profile.states.scheme, np.diff(profile.states.mesh), jacobi_matrices(profile, 0))
+    maps = np.linalg.solve(a1, -a0), np.linalg.solve(a0, -a1)
+    for determinant, block in zip(found, (m[::2, ::2] for m in maps), strict=True):
+        assert determinant == pytest.approx(np.linalg.det(block), abs=1e-12 * np.linalg.norm(block) ** 2)
+    assert 4 * found.prod() - 2 == pytest.approx(neutral_cosines(profile, 0)[1].real, rel=1e-7)
+
+
+def test_alternating_waves_in_the_chart_of_large_multipliers_are_the_same():
+    problem, u = pearls.at(pearls.path(0.48, 7.5, 1.03), "v", 1.006)
+    other, (moved,) = problem.change_chart(True, u)
+    expected = alternating_determinants(*problem.discretization.transfer_pencil(u))
+    assert alternating_determinants(*other.discretization.transfer_pencil(moved)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_multipliers_of_several_n_are_those_of_each():
+    problem, u = pearls.at(pearls.path(0.48, 7.5, 1.03), "v", 1.006)
+    profile = problem.profile(u)
+    for one in profile, profile.mirrored():
+        np.testing.assert_array_equal(multipliers(one, [1, 2]), [multipliers(one, 1), multipliers(one, 2)])
 
 
 @pytest.mark.parametrize("n", [0, 1, 2])

@@ -12,11 +12,16 @@ from scipy.optimize import brentq
 from support import pearls
 
 from pearlbvp.collocation import Discretization, PiecewisePolynomial
+from pearlbvp.continuation import PathOptions, Solution, follow
 from pearlbvp.continuation.path import correct
+from pearlbvp.continuation.segment import Segment
 from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.cells import HALF_CELL
+from pearlbvp.shapes.pearling import pearling_onset
 from pearlbvp.stability.bloch import SecondVariation
+from pearlbvp.stability.floquet import neutral_cosines
 from pearlbvp.stability.spectrum import spectrum
 from pearlbvp.studies.localized import PeriodicPearls, localized_pearls
 from pearlbvp.studies.reference import beside, read_reference
@@ -89,6 +94,23 @@ def test_on_two_cells_the_discretized_problem_is_singular_there(table):
 
     found = brentq(inverse_response, row.lambda2 - 3e-3, row.lambda2 + 2e-3, xtol=1e-12)
     assert found == pytest.approx(row.lambda2, abs=1e-8)
+
+
+@pytest.mark.parametrize(("c0", "period", "count"), [(0.48, 7.5, 2), (0.48, 7.5, 8), (0.3, 18.0, 2), (0.38, 10.4, 5)])
+def test_the_series_gives_what_a_root_of_the_cosine_gives(c0, period, count):
+    """Newton and bisection on solutions of a finer mesh, the cosine from the equations of ``(w, w', D, D')``: to 1e-12."""
+    found = localized_pearls(c0, period, [count * period]).iloc[0]
+    problem, u, tangent = pearling_onset(Tube(c0, period), intervals=20)
+    start = Solution(problem, u, tangent)
+    path = follow(start, PathOptions(step=0.03), lambda p: "past" if p.observables["v"] > found.v else None)
+
+    def miss(point):
+        return neutral_cosines(point.problem.profile(point.u), 0)[1].real - 2 * math.cos(2 * math.pi / count)
+
+    before, past = path.points[-2:]
+    expected = Segment(before, past).root(miss, miss(before)).observables
+    for name in ("lambda1", "lambda2", "v", "E", "amplitude"):
+        assert found[name] == pytest.approx(expected[name], abs=1e-12)
 
 
 def test_doubling_the_mesh_changes_nothing_to_1e_8():
