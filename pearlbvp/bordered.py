@@ -8,7 +8,8 @@ singular. Inertia adds up over the elimination (E. V. Haynsworth, Linear Algebra
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import weakref
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -96,6 +97,11 @@ class Pinned:
         return self.factors.negative + int((np.linalg.eigvalsh((schur + schur.T) / 2) < 0).sum()) - len(rows)
 
 
+REFINEMENTS, NEAR, REFINED, ROUNDING = 12, 8.0, 1e-13, 1e-9
+"""With the factors of another matrix: most refinements, by how much each has to take the error down, where that is done, and
+below what the rounding of large matrices may end it."""
+
+
 @dataclass(frozen=True)
 class Bordered:
     """A pinned matrix with its borders, eliminated.
@@ -122,10 +128,32 @@ class Bordered:
         """Solve for right-hand sides of shapes (V, s) and (q, s): shape (V + q, s)."""
         found = self._once(f, g)
         for _ in range(refinements):
-            x, y = np.split(found, [len(f)])
-            matrix = self.pinned.matrix
-            found = found + self._once(f - matrix @ x - self.columns @ y, g - self.rows @ x - self.corner @ y)
+            found = found + self._missing(f, g, found)
         return found
+
+    def beside(self, matrix: sparse.csc_matrix, columns: Array, rows: Array, corner: Array) -> Bordered:
+        """Another matrix with its borders, of the same shapes, to be solved with by these factors: ``refined``."""
+        return replace(self, pinned=replace(self.pinned, matrix=matrix), columns=columns, rows=rows, corner=corner)
+
+    def refined(self, f: Array, g: Array) -> Array | None:
+        """As ``solve``, with the factors of a matrix that is near: refined until that is at rounding, or None if it is far."""
+        found, before = self._once(f, g), 1.0
+        for _ in range(REFINEMENTS):
+            change = self._missing(f, g, found)
+            found = found + change
+            left = float((np.abs(change).max(axis=0) / np.abs(found).max(axis=0)).max())
+            falls = left < before / NEAR
+            if left < REFINED or (left < ROUNDING and not falls):
+                return found
+            if not falls:
+                return None
+            before = left
+        return None
+
+    def _missing(self, f: Array, g: Array, found: Array) -> Array:
+        x, y = np.split(found, [len(f)])
+        matrix = self.pinned.matrix
+        return self._once(f - matrix @ x - self.columns @ y, g - self.rows @ x - self.corner @ y)
 
     def _once(self, f: Array, g: Array) -> Array:
         free, pins, count = self.pinned.free, self.pinned.pins, len(self.pinned.pins)
@@ -134,3 +162,35 @@ class Bordered:
         x = np.empty_like(f)
         x[free], x[pins] = first - self.eliminated @ y, y[:count]
         return np.vstack((x, y[count:]))
+
+
+_holders: weakref.WeakSet[Kept] = weakref.WeakSet()
+
+
+@dataclass(eq=False)
+class Kept:
+    """Solves with one matrix after another, as Newton's method does: by the factors of an earlier one where that is near.
+
+    Where factors cost as much as many solutions, Newton's second step is a few refinements (N. J. Higham, Accuracy and
+    Stability of Numerical Algorithms (SIAM 2002), ch. 12), and yet the step that its own matrix gives, unlike a chord's.
+    Factors are large: of all such objects only the one that factorized last keeps them.
+    """
+
+    _last: Bordered | None = None
+
+    def solve(
+        self, matrix: sparse.csc_matrix, pins: Integers, borders: tuple[Array, Array, Array], f: Array, g: Array
+    ) -> Array:
+        """As ``Pinned.of(matrix, pins).bordered(*borders).solve(f, g)``."""
+        if self._last is not None and self._last.corner.shape == borders[2].shape:
+            found = self._last.beside(matrix, *borders).refined(f, g)
+            if found is not None:
+                return found
+        for holder in _holders:
+            holder._last = None
+        _holders.clear()
+        bordered = Pinned.of(matrix, pins).bordered(*borders)
+        if bordered.pinned.factors.dear:
+            self._last = bordered
+            _holders.add(self)
+        return bordered.solve(f, g)

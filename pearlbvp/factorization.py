@@ -10,7 +10,7 @@ from __future__ import annotations
 import weakref
 from dataclasses import dataclass
 from hashlib import blake2b
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 from scipy import sparse
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 class Factors(Protocol):
     """Factors of a symmetric matrix of shape (V, V)."""
+
+    dear: ClassVar[bool]
+    """Whether they cost as much as dozens of solutions, so that it pays to keep them for a matrix that is near."""
 
     @property
     def negative(self) -> int:
@@ -61,6 +64,7 @@ def factorized(matrix: sparse.csc_matrix) -> Factors:
 class LU:
     """SuperLU's."""
 
+    dear: ClassVar[bool] = True
     factors: SuperLU
 
     @property
@@ -99,8 +103,9 @@ symbolic factorization, half of the cost, serve the next matrix of that pattern.
 
 @dataclass(frozen=True, eq=False)
 class LDL:
-    """PARDISO's."""
+    """PARDISO's: of a matrix of a known pattern they cost no more than the refinements that they would save."""
 
+    dear: ClassVar[bool] = False
     solver: PardisoSolver
 
     @property

@@ -21,7 +21,7 @@ import numpy as np
 from scipy import sparse
 
 from pearlbvp.arrays import Array, Integers
-from pearlbvp.bordered import Pinned
+from pearlbvp.bordered import Kept
 from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
@@ -157,11 +157,14 @@ class MeshProblem(MembraneProblem):
         corner[phases + 1, -1] = -math.pi * self.length
         corner[phases + 2 :] = extra[:, count:]
         load = rhs.reshape(u.size, -1)
-        bordered = Pinned.of(self.hessian(u), self.pins).bordered(columns, rows, corner)
-        found = bordered.solve(load[:count], load[count:])
+        found = self._kept.solve(self.hessian(u), self.pins, (columns, rows, corner), load[:count], load[count:])
         if self.orbits is not None:  # rounding breaks the symmetry, and grows where a branch that breaks it is near
             found[:count] = mean(self.orbits, found[:count])
         return found.reshape(rhs.shape)
+
+    @cached_property
+    def _kept(self) -> Kept:
+        return Kept()
 
     @cached_property
     def weights(self) -> Array:

@@ -20,6 +20,7 @@ from scipy import sparse
 
 from pearlbvp import factorization
 from pearlbvp.arrays import Array
+from pearlbvp.continuation.path import correct, correct_at
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.adaptation import AdaptOptions, smoothed
@@ -30,6 +31,7 @@ from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.mesh.start import branch_point, equilibrium, straight
 from pearlbvp.mesh.subdivision import subdivided
+from pearlbvp.newton import NewtonOptions
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.mesh import meshed
 from pearlbvp.theory.dispersion import critical_lambda2
@@ -146,29 +148,48 @@ def by_superlu(function: Callable[[], object]) -> float:
         factorization.by_pardiso = known
 
 
-def measured(work: Callable[[MeshProblem, Array], object], nodes: int, limit: float) -> Row:
-    """Times with the extra and without it; without it alone where it is not installed."""
+def measured(work: Callable[[MeshProblem, Array], object], nodes: int, limit: float, parts: int = 1) -> Row:
+    """Times with the extra and without it; without it alone where it is not installed. Of work in parts, those of one."""
     problem, u = bulged(nodes, "subdivision")
 
     def call() -> object:
         return work(problem, u.copy())
 
     if find_spec("pymklpardiso") is None:
-        return Row(f"{written(least(lambda: by_superlu(call), 3))} by SuperLU", limit=written(limit))
-    ours, peer, ratio = paired(lambda: of_call(call), lambda: by_superlu(call), 3)
+        return Row(f"{written(least(lambda: by_superlu(call) / parts, 3))} by SuperLU", limit=written(limit))
+    ours, peer, ratio = paired(lambda: of_call(call) / parts, lambda: by_superlu(call) / parts, 3)
     return Row(f"{written(ours)} by PARDISO", f"SuperLU: {written(peer)}", ratio, written(limit))
 
 
-def newton_step(problem: MeshProblem, u: Array) -> object:
-    """Residual and one bordered solve, of a shape that was not seen before."""
-    moved = u + 1e-12 * np.arange(u.size) / u.size
-    return problem.residual(moved), problem.solve(moved, np.ones((u.size, 2)), np.ones(u.size))
+@cache
+def tangent(nodes: int) -> tuple[Array, Array]:
+    """The bulged tube corrected, and the branch's direction there."""
+    problem, u = bulged(nodes, "subdivision")
+    found, direction = correct_at(problem, u, NewtonOptions())
+    assert found.converged
+    return found.u, direction / np.sqrt(problem.inner(direction, direction))
 
 
-STEP, RATES = "Newton step on a mesh of {:,} vertices", "six leading growth rates on a mesh of {:,} vertices"
+def three_steps(nodes: int) -> Row:
+    """Newton's method from 0.05 along the tangent of the branch, from no factors: the mean of its steps."""
 
-row(STEP.format(12000))(lambda: measured(newton_step, 12000, 0.5))
-row(STEP.format(40000))(lambda: measured(newton_step, 40000, 2.5))
+    def work(problem: MeshProblem, u: Array) -> None:
+        at, direction = tangent(nodes)
+        guess = at + 0.05 * direction
+        found, _ = correct(replace(problem), guess, direction, guess, 0.0, NewtonOptions())
+        assert (found.converged, found.iterations) == (True, 3)
+
+    tangent(nodes)
+    return measured(work, nodes, {12000: 0.5, 40000: 2.5}[nodes], parts=3)
+
+
+STEP, RATES = (
+    "Newton step on a mesh of {:,} vertices, mean of three",
+    "six leading growth rates on a mesh of {:,} vertices",
+)
+
+row(STEP.format(12000))(lambda: three_steps(12000))
+row(STEP.format(40000))(lambda: three_steps(40000))
 row(RATES.format(12000))(lambda: measured(lambda problem, u: problem.modes(u), 12000, 1.5))
 
 

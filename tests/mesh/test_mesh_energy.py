@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from pearlbvp.bordered import Pinned, spread
+from pearlbvp import bordered
+from pearlbvp.bordered import Kept, Pinned, spread
+from pearlbvp.factorization import by_superlu, factorized
 from pearlbvp.mesh.adaptation import smoothed
 from pearlbvp.mesh.edits import apart, flipped
 from pearlbvp.mesh.families import jittered, tube_mesh
@@ -219,6 +221,31 @@ def test_pinned_elimination_with_borders():
     allowed = np.linalg.svd(rows[:2])[2][2:].T
     stiffened = allowed.T @ (dense + np.outer(rows[2], rows[2])) @ allowed
     assert pinned.negative(rows, stiff) == int((np.linalg.eigvalsh(stiffened) < 0).sum())
+
+
+@pytest.mark.parametrize("factorize", [by_superlu, factorized])
+def test_factors_of_a_matrix_that_is_near_serve_and_of_one_that_is_far_do_not(factorize, monkeypatch):
+    """Along a line of matrices: the solutions are those of dense algebra, and fewer matrices are factorized."""
+    size, count, made = 60, 3, []
+    rng = np.random.default_rng(1)
+    off = np.ones(size - 1)
+    matrix = sparse.diags([-off, 3 + rng.random(size), -off], [-1, 0, 1], format="csc")
+    change = sparse.diags([0 * off, rng.standard_normal(size), 0 * off], [-1, 0, 1], format="csc")
+    rows, corner = rng.standard_normal((count, size)), rng.standard_normal((count, count))
+    f, g = rng.standard_normal((size, 2)), rng.standard_normal((count, 2))
+    monkeypatch.setattr(bordered, "factorized", lambda matrix: made.append(1) or factorize(matrix))
+    kept, pins = Kept(), np.array([3, 30])
+    for step in (0.0, 1e-3, 2e-2, 1.0, 1.001):
+        here = (matrix + step * change).tocsc()
+        found = kept.solve(here, pins, (rows.T, rows, corner), f, g)
+        whole = np.block([[here.toarray(), rows.T], [rows, corner]])
+        np.testing.assert_allclose(found, np.linalg.solve(whole, np.vstack((f, g))), rtol=1e-10, atol=1e-11)
+    assert len(made) == (2 if factorize(matrix).dear else 5)
+    other = Kept()
+    other.solve(matrix, pins, (rows.T, rows, corner), f, g)
+    made.clear()
+    kept.solve(matrix, pins, (rows.T, rows, corner), f, g)
+    assert len(made) == 1  # the other one's factors took the place of its own
 
 
 @pytest.mark.parametrize("kind", KINDS)
