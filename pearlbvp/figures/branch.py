@@ -60,13 +60,13 @@ def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarra
 
 
 def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> bool:
-    """Outlines of some shapes along a branch, one period each, above one another; whether they are drawn to scale."""
+    """Outlines of some shapes along a branch, on the whole tube, above one another; whether they are drawn to scale."""
     chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
     height = 3.0 * units.to_user("r_max", max(branch.points[i].observables["r_max"] for i in chosen))
     for place, index in enumerate(chosen):
         point = branch.points[index]
-        profile = point.problem.shapes.profile(point.u)
-        x, r = (units.to_user(name, values) for name, values in zip("xr", profile.outline(), strict=True))
+        whole = point.problem.shapes.curve(point.u, SAMPLES)
+        x, r = (units.to_user(name, whole[name]) for name in "xr")
         colour = _curve_colour(branch.points[index])
         for side in (1, -1):
             axes.plot(x, side * r - place * height, color=colour)
@@ -91,6 +91,9 @@ def _to_scale(axes: Axes, lowest: float) -> bool:
     axes.set(xlim=(middle[0] - reach[0], middle[0] + reach[0]), ylim=(middle[1] - reach[1], middle[1] + reach[1]))
     return True
 
+
+SAMPLES = 200
+"""Steps of a period of an outline."""
 
 STRETCHED = 4.0
 """Ratio of the scales beyond which a picture is not drawn to one."""

@@ -25,7 +25,8 @@ def draw_region(table: pd.DataFrame, units: Units = RADII) -> Figure:
         axes.plot(rows["period"], rows["v"], ".-", color=colour, markersize=4, label=f"{pearls} pearls")
         axes.fill_between(rows["period"].to_numpy(float), 1.0, rows["v"].to_numpy(float), color=colour, alpha=0.08)
     along = units.axis_label("period", "period of the pearls")
-    dress(axes, along, "reduced volume v", f"c0 = {table['c0'].iloc[0]:g}: pearls stable below")
+    c0 = f"{units.symbol('c0')} = {units.named('c0', table['c0'].iloc[0]):g}"
+    dress(axes, along, "reduced volume v", f"{c0}: pearls stable below")
     note_unit(figure, units)
     if not found.empty:
         add_legend(axes, fontsize="small", loc="upper right")

@@ -3,6 +3,7 @@
 import itertools
 
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
@@ -11,7 +12,9 @@ import pearlbvp as pb
 from pearlbvp.errors import InputError
 from pearlbvp.figures.canvas import FAMILIES, OTHERS
 from pearlbvp.figures.diagram import draw_plane, shades
+from pearlbvp.figures.equilibria import draw_equilibria
 from pearlbvp.figures.places import covered, free_places
+from pearlbvp.figures.scan import draw_scan
 from pearlbvp.studies.energies import Reference
 from pearlbvp.studies.names import Name
 from pearlbvp.units import Units
@@ -166,3 +169,27 @@ def test_branches_of_one_family_have_shades_of_its_colour():
     assert found["1"] == FAMILIES["coil"]
     light = [sum(to_rgb(found[key])) for key in ("0", "2", "3")]
     assert light == sorted(light)
+
+
+def test_a_scan_in_nanometres_is_labelled_as_its_columns_are():
+    units = Units.of("50nm", "20kT")
+    rows = [{"c0": c0, "L": L, "period": 7.5, "v": 1 + c0 / L} for c0 in (0.45, 0.48) for L in (15.0, 30.0, 45.0)]
+    figure = draw_scan(units.columns(pd.DataFrame(rows)), "localized", ("c0", "period", "L"), ("v",), units)
+    (axes,) = figure.axes
+    assert axes.get_xlabel() == "length L (nm)"
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["C0 = 0.018/nm", "C0 = 0.0192/nm"]
+    rows = [row | {"L": 15.0} for row in rows]
+    (axes,) = draw_scan(units.columns(pd.DataFrame(rows)), "localized", ("c0", "period", "L"), ("v",), units).axes
+    assert axes.get_xlabel() == "spontaneous curvature C0 (1/nm)"
+    assert axes.get_title() == "localized, period = 375 nm, L = 750 nm"
+
+
+def test_what_a_table_of_tubes_brings_is_called_by_its_column():
+    row = {"status": "found", "n_unstable": 0, "bead[nm]": 300.0, "neck[nm]": 20.0, "straight[nm]": 250.0,
+           "stable_spacings[nm]": "400 500", "measured[um]": 0.31, "spacing[nm]": 450.0}  # fmt: skip
+    top, bottom = draw_equilibria(pd.DataFrame([row])).axes
+    assert "measured[um] of the table" in [text.get_text() for text in top.get_legend().get_texts()]
+    assert "spacing[nm] of the table" in [text.get_text() for text in bottom.get_legend().get_texts()]
+    (crosses,) = (line for line in top.lines if line.get_label() == "measured[um] of the table")
+    assert crosses.get_ydata() == pytest.approx([310.0])
