@@ -22,19 +22,38 @@ if TYPE_CHECKING:
 class Diagram(study.Diagram):
     """Branches by name: ``branches["3/1"]`` is what crosses three equal pearls at their first branch point."""
 
-    def plot(self, x: str = "v", y: str = "E", title: str = "", units: Units = RADII) -> Figure:
+    def plot(
+        self,
+        x: str = "v",
+        y: str = "E",
+        title: str = "",
+        units: Units = RADII,
+        *,
+        reference: core.Branch[Any] | str | None = None,
+        shapes: bool = False,
+    ) -> Figure:
         """Two columns of all branches, unstable parts dashed, special points marked.
 
+        Args:
+            x, y: columns.
+            title: of the picture.
+            units: of the axes.
+            reference: draw energies as differences from that of the straight tube (``"tube"``), of one of the branches by
+                its name, or of a branch, at the same volume.
+            shapes: draw shapes at their places.
+
         Raises:
-            InputError: there is no such column.
+            InputError: there is no such column, or no such reference.
         """
         from pearlbvp.figures.diagram import draw_plane
+        from pearlbvp.studies.energies import Reference
 
-        table = units.columns(study.curves(self.branches))
+        table = self.table()
         for name in (x, y):
             if name not in table:
                 raise InputError("column", f"{name} is not in the table", f"take one of {', '.join(map(str, table))}")
-        return draw_plane(table, x, y, title, units)
+        energies = None if reference is None else Reference.of(reference, self.branches)
+        return draw_plane(self.branches, x, y, title, units, reference=energies, shapes=shapes)
 
 
 def diagram(

@@ -263,12 +263,33 @@ class Branch(core.Branch[Any]):
 
         save(self, path, units=units)
 
-    def plot(self, title: str = "", units: Units = RADII) -> Figure:
-        """Its diagrams and some of its shapes."""
-        from pearlbvp.figures.branch import draw_branch
-        from pearlbvp.studies.branch import curve
+    def plot(
+        self,
+        title: str = "",
+        units: Units = RADII,
+        *,
+        reference: core.Branch[Any] | Literal["tube"] | None = None,
+        shapes: bool = False,
+    ) -> Figure:
+        """Its diagrams and some of its shapes.
 
-        return draw_branch(self, units.columns(curve(self)), title, units)
+        Args:
+            title: of the picture.
+            units: of the axes.
+            reference: draw energies as differences from that of the straight tube, or of a branch at the same volume.
+            shapes: draw one diagram, with shapes at their places.
+
+        Raises:
+            InputError: the reference has none of the volumes.
+        """
+        from pearlbvp.figures.branch import along, draw_branch
+        from pearlbvp.figures.diagram import draw_plane
+        from pearlbvp.studies.energies import Reference
+
+        energies = None if reference is None else Reference.of(reference)
+        if shapes:
+            return draw_plane({"": self}, along(self), title=title, units=units, reference=energies, shapes=True)
+        return draw_branch(self, title, units, reference=energies)
 
     def explore(self, x: str = "", y: str = "E", units: Units = RADII) -> Explorer:
         """A page in which its diagram and shapes can be explored, in a notebook; ``.text`` is its HTML.

@@ -84,7 +84,7 @@ def test_a_diagram_draws_any_two_columns():
     drawn = np.concatenate([line.get_ydata() for line in axes.lines])
     values = [point.observables["lambda2"] for branch in found.branches.values() for point in branch]
     assert (np.nanmin(drawn), np.nanmax(drawn)) == pytest.approx((min(values), max(values)), abs=1e-3)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("v", "lambda2 (1/radius³)")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("reduced volume v", "pressure lambda2 (1/radius³)")
     with pytest.raises(pb.InputError, match=r"^column: nope is not in the table; take one of branch, point,"):
         found.plot("nope")
 

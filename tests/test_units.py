@@ -248,7 +248,7 @@ def test_branches(capsys, pictures, family, c0, length, until, power):
         assert power_of(shapes[0].get_xlabel()) == LENGTH
         first = shapes[0].lines[0].get_xydata()
         if family == "pearl":
-            assert np.ptp(across[:, 0]) == pytest.approx(length / 2 * R, rel=1e-6)  # one period of two
+            assert np.ptp(across[:, 0]) == pytest.approx(length * R, rel=1e-6)  # all periods
         assert np.abs(first[:, 1]).max() == pytest.approx(R, rel=1e-6)  # the straight tube
 
 

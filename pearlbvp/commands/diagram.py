@@ -10,6 +10,7 @@ import click
 
 from pearlbvp.commands.arguments import File, ModeNumbers, Number, Until, wanted_places
 from pearlbvp.commands.command import Command, Option, words_of_this_command
+from pearlbvp.commands.drawing import drawing, reference_of, say_what_is_missing
 from pearlbvp.commands.following import fix_option
 from pearlbvp.commands.output import SOME_FAILED, check_distinct, check_outputs, outputs, radius_option, write
 from pearlbvp.errors import InputError
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 @click.command(
     cls=Command,
     epilog="Examples:  pearlbvp diagram b.h5 l.h5 --x v --y E --plot d.png  |  "
+    "pearlbvp diagram b.h5 l.h5 --reference b --shapes --plot e.png  |  "
     "pearlbvp diagram --c0 0.48 --length 15 --depth 1 --out t.csv --plot d.png  |  "
     "pearlbvp diagram --c0 0 --length 10 --depth 0 --mode 1,0 --mode 1,1 --mode 0,2 --processes 2 --plot d.png",
 )
@@ -66,6 +68,7 @@ if TYPE_CHECKING:
 )
 @fix_option(excludes=("files",))
 @outputs
+@drawing
 @radius_option
 def diagram(
     files: tuple[Path, ...],
@@ -80,6 +83,8 @@ def diagram(
     fix: str,
     out: Path | None,
     plot: Path | None,
+    reference: str | None,
+    shapes: bool,
     units: Units,
 ) -> int:
     """Several branches in one table and one picture: saved ones, or all that leave the straight tube, to a depth.
@@ -95,13 +100,15 @@ def diagram(
         raise InputError("FILE, --c0, --length", "give saved branches, or c0 and length of a tube")
     x, y = ("c0" if name == "C0" else name for name in (x, y))  # as it is headed in physical units
     _check_columns(x, y)
-    from pearlbvp.studies.diagram import curves, together, tubes_apart
+    if reference is not None and y != "E":
+        raise InputError("reference", "it is for energies", "leave it out, or draw --y E")
+    from pearlbvp.studies.diagram import together, tubes_apart
 
     if files:
         branches = _saved(files)
     else:
         branches = _computed(c0, length, depth, modes, until, processes, fix, units)  # type: ignore[arg-type]
-    table = units.columns(together(branches))
+    energies, table = reference_of(reference, branches), units.columns(together(branches))
     for option, name in (("--x", x), ("--y", y)):
         if name not in table:
             raise InputError(option, f"no branch here has {name}", "choose another column")
@@ -109,7 +116,8 @@ def diagram(
     def draw() -> Figure:
         from pearlbvp.figures.diagram import draw_plane
 
-        return draw_plane(units.columns(curves(branches)), x, y, units=units)
+        say_what_is_missing(energies, branches)
+        return draw_plane(branches, x, y, units=units, reference=energies, shapes=shapes)
 
     status = write(table, out, plot, draw)
     if apart := tubes_apart(table, units):

@@ -6,7 +6,7 @@ import contextlib
 import os
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ import click
 
 from pearlbvp.commands.arguments import File, Number, Until, wanted_places
 from pearlbvp.commands.command import Option, words_of_this_command
+from pearlbvp.commands.drawing import branch_figure, drawing, reference_of
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -28,10 +29,9 @@ from pearlbvp.errors import InputError
 from pearlbvp.messages import say
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from pearlbvp.continuation.branch import Branch
     from pearlbvp.continuation.following import BranchOptions
+    from pearlbvp.studies.energies import Reference
     from pearlbvp.units import Units
 
 save_option = click.option(
@@ -52,6 +52,7 @@ def following(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that all commands share that follow a branch, but ``--save``."""
     for decorate in (
         radius_option,
+        drawing,
         outputs,
         click.option("--max-step", type=Number(), default=0.5, show_default=True, help="Largest step along the branch."),
         click.option("--step", type=Number(), help="First step along the branch.  [default: 0.1, or the largest]"),
@@ -74,6 +75,8 @@ class Following:
         max_points, step, max_step: of the branch.
         out, plot, save: files, or None.
         units: of the user.
+        reference: what energies are drawn above: a name, or a file.
+        shapes: whether they are drawn at their places.
         start: the file that it starts from, or None.
     """
 
@@ -84,6 +87,8 @@ class Following:
     out: Path | None
     plot: Path | None
     units: Units
+    reference: str | None
+    shapes: bool
     save: Path | None = None
     start: Path | None = None
 
@@ -100,7 +105,7 @@ class Following:
         start = None if self.start is None else Path(os.path.realpath(self.start))
         check_distinct({"FILE": start, "--out": out, "--plot": plot})
         check_distinct({"--out": out, "--plot": plot, "--save": save})
-        return Following(self.until, self.max_points, self.step, self.max_step, out, plot, self.units, save, self.start)
+        return replace(self, out=out, plot=plot, save=save, start=start)
 
     def run(self, follow: Callable[[BranchOptions], Branch[Any]], other_way: str = "") -> int:
         """Follow a branch, and write and say what is to be known of it.
@@ -114,7 +119,7 @@ class Following:
         """
         from pearlbvp.progress import progress
 
-        wanted = wanted_places(self.until, self.units)
+        wanted, reference = wanted_places(self.until, self.units), reference_of(self.reference)
         with progress("point") as bar:
             from pearlbvp.studies.branch import branch_options
 
@@ -130,22 +135,18 @@ class Following:
 
             steps = {"max_points": self.max_points, "step": self.step, "max_step": self.max_step}
             found = follow(branch_options(wanted, progress=count, locating=locating, **steps))  # type: ignore[arg-type]
-        return self._written(found, wanted, other_way)
+        return self._written(found, wanted, reference, other_way)
 
-    def _written(self, found: Branch[Any], wanted: Mapping[str, float], other_way: str) -> int:
+    def _written(
+        self, found: Branch[Any], wanted: Mapping[str, float], reference: Reference | None, other_way: str
+    ) -> int:
         from pearlbvp.continuation.branch import Status
         from pearlbvp.studies import saved
-        from pearlbvp.studies.branch import curve, shown
+        from pearlbvp.studies.branch import shown
 
         table = self.units.columns(shown(found.table()))
         saves = [] if self.save is None else [lambda: saved.save(found, self.save, "--save", self.units)]  # type: ignore[arg-type]
-
-        def draw() -> Figure:
-            from pearlbvp.figures.branch import draw_branch
-
-            return draw_branch(found, self.units.columns(curve(found)), units=self.units)
-
-        write(table, self.out, self.plot, draw, saves)
+        write(table, self.out, self.plot, lambda: branch_figure(found, self.units, reference, self.shapes), saves)
         if not found.complete:
             say(f"the branch ends: {words_of_this_command(found.reason)}{other_way if found.astray else ''}")
         if found.status is Status.INTERRUPTED:

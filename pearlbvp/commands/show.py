@@ -11,6 +11,7 @@ import click
 
 from pearlbvp.commands.arguments import File
 from pearlbvp.commands.command import Command, Option, options_given
+from pearlbvp.commands.drawing import branch_figure, drawing, reference_of
 from pearlbvp.commands.output import (
     DONE,
     check_distinct,
@@ -27,6 +28,7 @@ from pearlbvp.messages import say
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from pearlbvp.studies.energies import Reference
     from pearlbvp.units import Units
 
 SURFACES = (".csv", ".obj", ".ply", ".vtu", ".fe")
@@ -72,6 +74,7 @@ SURFACES = (".csv", ".obj", ".ply", ".vtu", ".fe")
     help="With --surface: points, about.",
 )
 @outputs
+@drawing
 @radius_option
 def show(
     file: Path,
@@ -82,6 +85,8 @@ def show(
     nodes: int,
     out: Path | None,
     plot: Path | None,
+    reference: str | None,
+    shapes: bool,
     units: Units,
 ) -> int:
     """Show a saved branch, the end of a flow, or a saved flow, without computing anything.
@@ -114,7 +119,12 @@ def show(
 
     if kind_of("FILE", file) == KIND:
         shape = next(
-            (name for name in ("profile", "surface") if name in options_given(click.get_current_context())), None
+            (
+                name
+                for name in ("profile", "surface", "reference", "shapes")
+                if name in options_given(click.get_current_context())
+            ),
+            None,
         )
         if shape is not None:
             raise InputError(
@@ -123,7 +133,8 @@ def show(
                 f"write its end with pearlbvp flow --resume {file} --save-end E.h5, and show that",
             )
         return _flow(file, out, plot, units)
-    return _branch(file, point or "-1", profile, surface, samples, nodes, out, plot, units)
+    energies = reference_of(reference)
+    return _branch(file, point or "-1", profile, surface, samples, nodes, out, plot, energies, shapes, units)
 
 
 def _branch(
@@ -135,6 +146,8 @@ def _branch(
     nodes: int,
     out: Path | None,
     plot: Path | None,
+    reference: Reference | None,
+    shapes: bool,
     units: Units,
 ) -> int:
     """Show a saved branch."""
@@ -144,7 +157,7 @@ def _branch(
     note = ""
     with progress("step", doing="reading") as bar:
         from pearlbvp.studies import export, saved
-        from pearlbvp.studies.branch import curve, shown
+        from pearlbvp.studies.branch import shown
 
         bar.leave = False  # what is shown says more
         branch = saved.load(file, "FILE")
@@ -158,12 +171,7 @@ def _branch(
             if surface is not None:
                 others.append(_surface_writer(at, nodes, surface, units))
 
-    def draw() -> Figure:
-        from pearlbvp.figures.branch import draw_branch
-
-        return draw_branch(branch, units.columns(curve(branch)), units=units)
-
-    status = write(table, out, plot, draw, others)
+    status = write(table, out, plot, lambda: branch_figure(branch, units, reference, shapes), others)
     if note:
         say(units.said(note))
     say(branch.described(units.said, units.measured, units.symbol), begin="")

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.branch import draw_curve
-from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
+from pearlbvp.figures.canvas import COLOURS, LETTER, add_legend, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 
@@ -108,9 +109,48 @@ def _draw_cells(axes: Axes, table: pd.DataFrame, words: pd.Series) -> None:
         vmax=len(colours) - 0.5,
         shading="nearest",
     )
-    for name in names:
-        part = grid[grid["word"] == name]
-        if len(part) > 0.004 * len(grid):
-            off = sum((part[q] - part[q].median()).abs() / max(np.ptp(grid[q]), 1e-9) for q in ("c0", "L"))
-            middle = part.loc[off.idxmin()]
-            axes.text(middle["c0"], middle["L"], name, ha="center", va="center", fontsize="x-small", bbox=PAPER)
+    _write_names(axes, cells, codes, names)
+
+
+def _write_names(axes: Axes, cells: pd.DataFrame, codes: np.ndarray, names: Sequence[str]) -> None:
+    """The word of each region where it covers least of others, near the middle of its own, and no word written before.
+
+    In a region that is narrow it is written upwards.
+    """
+    x, y = cells.columns.to_numpy(float), cells.index.to_numpy(float)
+    size = rcParams["font.size"] * SMALL / 72
+    an_inch = np.array(codes.shape) / (
+        np.array(axes.get_window_extent().size)[::-1] / axes.figure.dpi
+    )  # cells, y and x
+    written = np.zeros(codes.shape, dtype=bool)
+    for code, name in enumerate(names):
+        own = codes == code
+        if own.sum() <= LEAST * codes.size:
+            continue
+        letters, middle = size * LETTER * len(name), np.median(np.argwhere(own), axis=0)
+        half = {0: an_inch * (size, letters) / 2, 90: an_inch * (letters, size) / 2}  # of the word's height and width
+
+        def badness(turned: int, at: np.ndarray, half=half, own=own, middle=middle) -> float:  # type: ignore[no-untyped-def]
+            part = _part(at, half[turned])
+            outside = (at < half[turned] - 0.5).any() or (at > np.array(codes.shape) - half[turned] - 0.5).any()
+            away = np.abs((at - middle) / codes.shape).sum()
+            return float(9 * written[part].mean() + 9 * outside + 3 * (1 - own[part].mean()) + away + 0.003 * turned)
+
+        turned, at = min(
+            ((turned, at) for turned in half for at in np.argwhere(own)), key=lambda place: badness(*place)
+        )
+        written[_part(at, half[turned] + 1)] = True
+        axes.text(x[at[1]], y[at[0]], name, ha="center", va="center", fontsize="x-small", bbox=PAPER, rotation=turned)
+
+
+def _part(at: np.ndarray, half: np.ndarray) -> tuple[slice, slice]:
+    """The cells under a word, as far as there are any."""
+    low, high = np.round(at - half).astype(int), np.round(at + half).astype(int) + 1
+    return slice(max(low[0], 0), high[0]), slice(max(low[1], 0), high[1])
+
+
+LEAST = 0.004
+"""Share of a map from which on a region has its name written."""
+
+SMALL = 0.694
+"""Size of the words on a map by the font's."""

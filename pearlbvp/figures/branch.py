@@ -13,34 +13,37 @@ from matplotlib.ticker import MaxNLocator
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
-from pearlbvp.figures.surface import along, place_surfaces
+from pearlbvp.figures.surface import place_surfaces, some_of
+from pearlbvp.studies.branch import curve
+from pearlbvp.studies.energies import Reference
 from pearlbvp.units import RADII, Units
 
 
-def draw_curve(axes: Axes, curve: pd.DataFrame, x: str, y: str, colour: str, label: str | None = None) -> None:
+def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, label: str | None = None) -> None:
     """One branch in one diagram: stable parts solid, unstable parts dashed, special points marked.
 
     Args:
         axes: where to draw.
-        curve: rows so near to each other that lines between them will do (``studies.branch.curve``).
+        table: rows so near to each other that lines between them will do (``studies.branch.curve``).
         x, y: columns.
         colour, label: of the branch.
     """
-    if len(curve) == 1:  # the end of a flow
-        axes.plot(curve[x], curve[y], "o", color=colour, markersize=4, label=label)
+    if len(table) == 1:  # the end of a flow
+        axes.plot(table[x], table[y], "o", color=colour, markersize=4, label=label)
         return
-    stable = (curve["n_unstable"] == 0).fillna(False).to_numpy(bool)
+    stable = (table["n_unstable"] == 0).fillna(False).to_numpy(bool)
     stretches = stable[1:] & stable[:-1]
-    infinite = curve["special"].str.contains("cmc").to_numpy(bool) if "special" in curve else np.array(False)
-    xs, ys = (np.where(infinite & (name in INFINITE), np.nan, curve[name].to_numpy(float)) for name in (x, y))
+    infinite = table["special"].str.contains("cmc").to_numpy(bool) if "special" in table else np.array(False)
+    xs, ys = (np.where(infinite & (name in INFINITE), np.nan, table[name].to_numpy(float)) for name in (x, y))
     for wanted, style in ((True, "-"), (False, "--")):
         # A stretch between two rows is stable where neither of its ends is unstable.
-        pieces = _broken(xs, ys, stretches == wanted)
-        axes.plot(*pieces, style, color=colour, label=label if wanted == (stretches.mean() > 0.5) else None)
-    if "special" not in curve:
+        axes.plot(*_broken(xs, ys, stretches == wanted), style, color=colour)
+    if label is not None:
+        axes.plot([], [], color=colour, label=label)
+    if "special" not in table:
         return
     for kind, marker, face in (("bp", "o", "white"), ("fold", "x", None)):
-        rows = curve[curve["special"].str.contains(kind)]
+        rows = table[table["special"].str.contains(kind)]
         if len(rows):
             axes.plot(rows[x], rows[y], marker, color=colour, markerfacecolor=face or colour, markersize=5)
 
@@ -62,13 +65,13 @@ def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarra
 
 
 def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> bool:
-    """Outlines of some shapes along a branch, one period each, above one another; whether they are drawn to scale."""
+    """Outlines of some shapes along a branch, on the whole tube, above one another; whether they are drawn to scale."""
     chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
     height = 3.0 * units.to_user("r_max", max(branch.points[i].observables["r_max"] for i in chosen))
     for place, index in enumerate(chosen):
         point = branch.points[index]
-        profile = point.problem.shapes.profile(point.u)
-        x, r = (units.to_user(name, values) for name, values in zip("xr", profile.outline(), strict=True))
+        whole = point.problem.shapes.curve(point.u, SAMPLES)
+        x, r = (units.to_user(name, whole[name]) for name in "xr")
         colour = _curve_colour(branch.points[index])
         for side in (1, -1):
             axes.plot(x, side * r - place * height, color=colour)
@@ -94,6 +97,9 @@ def _to_scale(axes: Axes, lowest: float) -> bool:
     return True
 
 
+SAMPLES = 200
+"""Steps of a period of an outline."""
+
 STRETCHED = 4.0
 """Ratio of the scales beyond which a picture is not drawn to one."""
 
@@ -101,8 +107,8 @@ STRETCHED = 4.0
 def draw_sections(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = RADII) -> None:
     """Cross-sections of some rings along a branch, side by side."""
     reach = 0.0
-    width = 2.8 * units.to_user("r_max", max(entry.observables["r_max"] for entry in along(branch, count)))
-    for place, entry in enumerate(along(branch, count)):
+    width = 2.8 * units.to_user("r_max", max(entry.observables["r_max"] for entry in some_of(branch, count)))
+    for place, entry in enumerate(some_of(branch, count)):
         section = entry.problem.shapes.section(entry.u, 0.0)
         y, z = (units.to_user(name, values) for name, values in zip("yz", section, strict=True))
         axes.plot(y + place * width, z, color=_curve_colour(entry))
@@ -119,28 +125,44 @@ def _curve_colour(entry: Solution[Any]) -> str:
     return COLOURS[0] if entry.spectrum.stable else COLOURS[1]
 
 
+def along(branch: Branch[Any]) -> str:
+    """What varies along a branch, to be drawn to the right: ``c0``, ``L``, or else ``v``."""
+    for name in ("c0", "L"):
+        values = np.array([point.observables[name] for point in branch.points])
+        if np.ptp(values) > 1e-9 * np.abs(values).max():
+            return name
+    return "v"
+
+
 @own_style()
-def draw_branch(branch: Branch[Any], curve: pd.DataFrame, title: str = "", units: Units = RADII) -> Figure:
+def draw_branch(
+    branch: Branch[Any], title: str = "", units: Units = RADII, *, reference: Reference | None = None
+) -> Figure:
     """Energy and pressure over the reduced volume, the two multipliers, and shapes.
 
     Args:
-        branch: whose shapes are drawn.
-        curve: its points and what lies between them (``studies.branch.curve``).
+        branch: of any family.
         title: of the picture.
-        units: of the curve, and of the shapes as they are drawn.
+        units: of the axes, and of the shapes as they are drawn.
+        reference: what energies are drawn above.
+
+    Raises:
+        InputError: the reference has none of the volumes.
     """
+    table = curve(branch)
+    table = units.columns(table if reference is None else reference.above(table))
     figure, axes = new_figure(2, 2, width=9.5, height=7.5)
-    varied = next((name for name in ("c0", "L") if np.ptp(curve[name]) > 1e-9 * curve[name].abs().max()), None)
-    pairs = (("v", "E"), ("v", "lambda2"), ("lambda2", "lambda1"))
-    if varied is not None:
-        pairs = ((varied, "E"), (varied, "lambda2"), (varied, "v"))
+    x = along(branch)
+    last = ("lambda2", "lambda1") if x == "v" else (x, "v")
+    pairs = ((x, "E"), (x, "lambda2"), last)
     for place, (x, y) in zip(axes.ravel(), pairs, strict=False):
-        draw_curve(place, curve, x, y, COLOURS[0])
-        dress(place, units.axis_label(x), units.axis_label(y), title if place is axes[0, 0] else "")
+        draw_curve(place, table, x, y, COLOURS[0])
+        up = units.axis_label(y, None if reference is None or y != "E" else reference.difference)
+        dress(place, units.axis_label(x), up, title if place is axes[0, 0] else "")
     problem = branch.points[0].problem.shapes
     if problem.drawn == "surface":
         figure.delaxes(axes[1, 1])
-        points = along(branch)
+        points = some_of(branch)
         titles = [f"v = {point.observables['v']:.4f}" for point in points]
         place_surfaces(figure, (0.53, 0.02, 0.46, 0.42), points, titles, (2, 2))
         figure.text(0.76, 0.46, "shapes: stable blue, unstable brown", ha="center", fontsize="small")

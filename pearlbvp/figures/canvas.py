@@ -28,6 +28,16 @@ from pearlbvp.units import Units
 COLOURS = ("#0b5394", "#c55a11", "#38761d", "#741b47", "#7f6000", "#444444", "#2a8c8c", "#c2487e")
 """Dark enough for print, distinct without colour vision in this order."""
 
+FAMILIES = {
+    "pearl": "#0072b2", "unequal": "#56b4e9", "coil": "#d55e00", "buckle": "#009e73", "ring": "#cc79a7", "mixed": "#e69f00",
+}  # fmt: skip
+"""Colours of branches by what they are (``studies.names``), which people of all kinds of colour vision tell apart.
+
+Source: M. Okabe, K. Ito, Color Universal Design (2008), https://jfly.uni-koeln.de/color/."""
+
+OTHERS = "#000000"
+"""That of families that were added."""
+
 STYLE: ContextVar[Mapping[str, Any]] = ContextVar("style", default={})  # noqa: B039
 """Settings of matplotlib over our own, for the pictures of a command."""
 
@@ -50,6 +60,9 @@ WIDEST_NUMBER = 4.3
 
 LETTER, LONGEST, SHORTEST = 0.55, 1.25, 30
 """Mean width of a letter by the font's size, the longest line along a vertical axis by its length, letters that any one has."""
+
+FINE = 300
+"""Dots an inch of surfaces in formats that are no images."""
 
 UNDATED = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
 """Metadata without the time, so that the same picture is the same file."""
@@ -160,7 +173,8 @@ def save_figure(figure: Figure, path: Path) -> None:
     canvas: Any = getattr(importlib.import_module(f"matplotlib.backends.backend_{backend}"), f"FigureCanvas{name}")
     with path.open("wb") as file:  # whose name would be PostScript's title
         try:
-            canvas(figure).print_figure(file, format=kind, metadata=UNDATED.get(kind))
+            dpi = FINE if kind in CANVASES and rcParams["savefig.dpi"] == "figure" else None
+            canvas(figure).print_figure(file, dpi=dpi, format=kind, metadata=UNDATED.get(kind))
         except RuntimeError as error:
             if not rcParams["text.usetex"]:
                 raise

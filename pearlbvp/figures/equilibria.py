@@ -13,7 +13,7 @@ from pearlbvp.tables import name_of
 
 @own_style()
 def draw_equilibria(table: pd.DataFrame) -> Figure:
-    """Diameters of beads and necks, and spacings, case by case: full where they are stable, beside what was measured.
+    """Diameters of beads and necks, and spacings, case by case: full where they are stable, beside those of the table.
 
     Args:
         table: from ``studies.equilibria.equilibria``.
@@ -29,10 +29,10 @@ def draw_equilibria(table: pd.DataFrame) -> Figure:
     fits = [(i, float(spacing)) for i, text in zip(case, table["stable_spacings[nm]"].fillna(""), strict=True)
             for spacing in str(text).split()]  # fmt: skip
     bottom.plot(*np.array(fits).reshape(-1, 2).T, "o", color=COLOURS[2], markersize=4, label="stable, fits the tube")
-    for axes, name, label in ((top, "measured", "measured"), (bottom, "spacing", "asked for")):
+    for axes, name in ((top, "measured"), (bottom, "spacing")):
         for heading in (column for column in map(str, table) if name_of(column) == name):
             nm = 1e9 * read(heading, f"1{heading.partition('[')[2].removesuffix(']')}").value
-            axes.plot(case, nm * table[heading], "x", color=COLOURS[7], markersize=4, label=label)
+            axes.plot(case, nm * table[heading], "x", color=COLOURS[7], markersize=4, label=f"{heading} of the table")
     dress(top, "", "diameter (nm)", "pearled equilibria at given tension and osmolarity")
     dress(bottom, "case", "spacing (nm)")
     top.set_ylim(bottom=0)

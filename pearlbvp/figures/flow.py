@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.canvas import (
@@ -22,18 +21,13 @@ from pearlbvp.figures.canvas import (
 )
 from pearlbvp.figures.surface import box_of, show_surface
 from pearlbvp.flows.record import FlowState, Frame
+from pearlbvp.membrane import Grid
+from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.units import RADII, Units
 
 
-def draw_surface(axes: Axes, frame: Frame, extent: float, along: int = 121, around: int = 37) -> None:
-    """A shape seen from afar, lit from above, in a box of the same size for all frames."""
-    surface = frame.problem.surface(frame.q, along, around)
-    show_surface(axes, surface, box_of([surface])[0], extent)
-
-
-def _extent(frames: list[Frame]) -> float:
-    """Half the width of a box that holds all shapes."""
-    return 1.02 * box_of([frame.problem.surface(frame.q, 33, 25) for frame in frames])[1]
+def _surfaces(frames: list[Frame], along: int, around: int) -> list[Grid | PeriodicMesh]:
+    return [frame.problem.surface(frame.q, along, around) for frame in frames]
 
 
 @own_style()
@@ -63,15 +57,15 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", units: Uni
     add_legend(axes[1, 0], fontsize="small")
     dress(axes[1, 0], time, f"{units.axis_label('velocity', 'velocity')}, relative errors")
     axes[1, 1].set_axis_off()
-    frames = state.record.frames
     left, bottom, width, height = axes[1, 1].get_position().bounds
-    ends = (frames[0], frames[-1])
-    for row, frame in enumerate(ends):
+    left, bottom, width, height = left - 0.06, bottom - 0.04, width + 0.07, height + 0.04  # no axes need room there
+    ends = [state.record.frames[0], state.record.frames[-1]]
+    surfaces = _surfaces(ends, 121, 37)
+    for row, (frame, surface) in enumerate(zip(ends, surfaces, strict=True)):
         below = bottom + (1 - row) * height / 2
-        place = figure.add_axes((left, below, width, 0.4 * height))
-        draw_surface(place, frame, _extent(list(ends)))
+        show_surface(figure.add_axes((left, below, width, 0.43 * height)), surface, box_of(surfaces))
         said = f"t = {units.to_user('t', frame.t):.4g}"
-        figure.text(left + width / 2, below + 0.43 * height, said, fontsize="small", ha="center")
+        figure.text(left + width / 2, below + 0.45 * height, said, fontsize="small", ha="center")
     note_unit(figure, units)
     return figure
 
@@ -87,11 +81,11 @@ def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, u
     chosen = [frames[i] for i in _evenly(state, min(count, len(frames)))]
     figure = new_blank(6.0, 3.2, dpi=90)
     axes = figure.add_axes((0.02, 0.02, 0.96, 0.86))
-    extent = _extent(chosen)
-
+    surfaces = _surfaces(chosen, 61, 25)
+    seen = box_of(surfaces)
     images = []
-    for frame in chosen:
-        draw_surface(axes, frame, extent, 61, 25)
+    for frame, surface in zip(chosen, surfaces, strict=True):
+        show_surface(axes, surface, seen)
         axes.set_title(f"t = {units.to_user('t', frame.t):.4g}", fontsize="small")
         images.append(pixels(figure))
     save_movie(images, path, rate)

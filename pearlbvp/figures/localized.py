@@ -26,7 +26,8 @@ def draw_localized(table: pd.DataFrame, units: Units = RADII) -> Figure:
         left.plot(shown["L"], shown[name], "x+1"[i % 3], color=COLOURS[1 + i % 5], markersize=9 + 3 * i, mew=1.5,
                   label=name[2:].replace("_", " "))  # fmt: skip
     right.plot(found["L"], found["lambda2"], "o-", color=COLOURS[0], markersize=5)
-    title = f"c0 = {table['c0'].iloc[0]:g}, pearls of period {table['period'].iloc[0]:g}"
+    c0, period = (units.named(name, table[name].iloc[0]) for name in ("c0", "period"))
+    title = f"{units.symbol('c0')} = {c0:g}, pearls of period {period:g}"
     along = units.axis_label("L", "tube length L")
     pressure = units.axis_label("lambda2", "lambda2 at the branch point")
     dress(left, along, "reduced volume v at the branch point", title)

@@ -62,15 +62,13 @@ def _(panel: Shapes, title: str) -> Figure:
     rows = -(-len(panel.samples) // columns)
     figure = new_blank(2.7 * columns, 1.9 * rows + 0.3)
     surfaces = {name: shown(point) for name, point in panel.samples.items()}
-    half_length, extent = box_of(list(surfaces.values()))
+    seen = box_of(list(surfaces.values()))
     width, height = 1 / columns, 1.9 / (1.9 * rows + 0.3)
     for i, (name, surface) in enumerate(surfaces.items()):
         point = panel.samples[name]
         left, bottom = (i % columns) * width, (rows - 1 - i // columns) * height
         axes = figure.add_axes((left + 0.03 * width, bottom + 0.03 * height, 0.94 * width, 0.82 * height))
-        show_surface(axes, surface, half_length, extent, _colours(point))
-        for faces in axes.collections:
-            faces.set_rasterized(True)  # thousands of polygons
+        show_surface(axes, surface, seen, _colours(point))
         stable = "stable" if point.spectrum.n_unstable == 0 else f"{point.spectrum.n_unstable} unstable"
         figure.text(
             left + width / 2,

@@ -25,9 +25,9 @@ def draw_periods(table: pd.DataFrame, units: Units = RADII) -> Figure:
         units: of the table.
     """
     figure, (top, middle, bottom) = new_figure(3, 1, height=8.5, sharex=True)
-    for i, (c0, rows) in enumerate(table.sort_values("L").groupby("c0")):
-        colour = COLOURS[i % len(COLOURS)]
-        _plot_by_pearls(top, rows, "period", colour, f"c0 = {c0:g}")
+    for i, (_, rows) in enumerate(table.sort_values("L").groupby("c0")):
+        colour, c0 = COLOURS[i % len(COLOURS)], units.named("c0", rows["c0"].iloc[0])
+        _plot_by_pearls(top, rows, "period", colour, f"{units.symbol('c0')} = {c0:g}")
         middle.plot(rows["L"], rows["lambda2_pearl"], color=colour)
         middle.plot(rows["L"], rows["lambda2_upper"], color=colour, linestyle=":")
         middle.fill_between(rows["L"].to_numpy(float), rows["lambda2_pearl"].to_numpy(float),

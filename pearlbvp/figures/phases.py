@@ -130,7 +130,7 @@ def _draw_shapes(figure: Figure, strip: Axes, found: Phases) -> None:
     if not chosen:
         return
     surfaces = [shown(solution) for *_, solution in chosen]
-    half_length, extent = box_of(surfaces)
+    seen = box_of(surfaces)
     start, span = float(found.ranges["low"].min()), RIGHT - LEFT
     width = min(0.3, span / len(chosen))
     places = [LEFT + span * (v - start) / whole - width / 2 for v, *_ in chosen]
@@ -138,5 +138,5 @@ def _draw_shapes(figure: Figure, strip: Axes, found: Phases) -> None:
         places[i] = max(place, places[i - 1] + width if i else 0.01)
     for (v, name, _), surface, place in zip(chosen, surfaces, places, strict=True):
         axes = figure.add_axes((place, 0.03, width, 0.15))
-        show_surface(axes, surface, half_length, extent)
+        show_surface(axes, surface, seen)
         figure.text(place + width / 2, 0.01, f"{_named(name)}, v = {v:.6g}", fontsize="small", ha="center")

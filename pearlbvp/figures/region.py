@@ -36,7 +36,12 @@ def draw_region(table: pd.DataFrame, units: Units = RADII) -> Figure:
         figure.subplots_adjust(hspace=0.45)
     for axes, c0 in zip(panels, curvatures, strict=False):
         _fill(axes, table[table["c0"] == c0], units)
-        dress(axes, units.axis_label("period", "period of the pearls"), "reduced volume v", f"c0 = {c0:g}")
+        dress(
+            axes,
+            units.axis_label("period", "period of the pearls"),
+            "reduced volume v",
+            f"{units.symbol('c0')} = {units.named('c0', c0):g}",
+        )
     for axes in panels[len(curvatures) :]:
         axes.remove()
     note_unit(figure, units)

@@ -47,8 +47,8 @@ def draw_scan(
         [name, *(words for one in parameters if one not in varying for words in _fixed(table, one, units))]
     )
     for axes, column in zip(panels[0], drawn, strict=True):
-        _draw_column(axes, table, along, others, column)
-        labels = [units.axis_label(one, AXES.get(one, one)) for one in (along, column)]
+        _draw_column(axes, table, along, others, column, units)
+        labels = [units.axis_label(one, None if one in AXES else one) for one in (along, column)]
         dress(axes, labels[0], labels[1], title)
     note_unit(figure, units)
     if others and len(table):
@@ -61,17 +61,16 @@ def _fixed(table: pd.DataFrame, name: str, units: Units) -> list[str]:
     values = table[name].dropna().unique().tolist() if name in table else []
     if len(values) != 1:
         return []
-    value = values[0]
-    return [f"{units.symbol(name)} = {units.named(name, value):g}" if isinstance(value, float) else f"{name} = {value}"]
+    return [_said(name, values[0], units)]
 
 
-def _draw_column(axes: Axes, table: pd.DataFrame, along: str, others: list[str], drawn: str) -> None:
+def _draw_column(axes: Axes, table: pd.DataFrame, along: str, others: list[str], drawn: str, units: Units) -> None:
     """A column over a parameter, a curve for each value of the others."""
     curves = list(table.groupby(others, sort=True)) if others else [((), table)]
     every = -(-len(curves) // MOST_NAMED)
     for i, (values, rows) in enumerate(curves):
         colour = COLOURS[i] if len(curves) <= min(MOST_NAMED, len(COLOURS)) else colormaps["viridis"](i / len(curves))
-        named = ", ".join(f"{name} = {_short(value)}" for name, value in zip(others, values, strict=True))
+        named = ", ".join(_said(name, value, units) for name, value in zip(others, values, strict=True))
         shown = rows.dropna(subset=[drawn]).sort_values(along)
         label = named if i % every == 0 and named else None
         several = shown[along].duplicated().any()  # of one tube, as its modes are, which no line joins
@@ -89,5 +88,6 @@ def _independent(table: pd.DataFrame, parameters: Sequence[str]) -> list[str]:
     return varying
 
 
-def _short(value: object) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+def _said(name: str, value: object, units: Units) -> str:
+    """What a parameter is, in words and the user's unit."""
+    return f"{units.symbol(name)} = {units.named(name, value):g}" if isinstance(value, float) else f"{name} = {value}"

@@ -34,6 +34,22 @@ def shown(solution: Solution[Any]) -> Grid | PeriodicMesh:
     return found
 
 
+def coarse(surface: Grid | PeriodicMesh) -> Grid | PeriodicMesh:
+    """A surface for a small picture: of a grid as many rows and columns as can be seen."""
+    if isinstance(surface, PeriodicMesh):
+        return surface
+    rows, columns = (
+        np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(int))
+        for size, most in zip(surface[0].shape, SMALL, strict=True)
+    )
+    x, y, z = (part[np.ix_(rows, columns)] for part in surface)
+    return x, y, z
+
+
+SMALL = (121, 33)
+"""Points along and around a tube in a small picture."""
+
+
 def faces_of(surface: Grid | PeriodicMesh) -> Array:
     """Corners of a surface's quadrangles or triangles, shape (F, 4 or 3, 3), in one sense as seen from outside."""
     if isinstance(surface, PeriodicMesh):
@@ -62,15 +78,29 @@ def view(elevation: float, azimuth: float) -> Array:
     return np.array([right, np.cross(towards, right), towards])
 
 
-def box_of(surfaces: Sequence[Grid | PeriodicMesh]) -> tuple[float, float]:
-    """Half the size, along and across the axis, of a box that holds all of some surfaces."""
-    corners = [faces_of(surface) for surface in surfaces]
-    half_length = max(float(np.ptp(faces[..., 0])) for faces in corners) / 2
-    return half_length, max(float(np.abs(faces[..., 1:]).max()) for faces in corners)
-
-
-AFAR = view(20, -60)
+AFAR = view(20, -72)
 """How shapes are shown."""
+
+
+def _centred(surface: Grid | PeriodicMesh) -> Array:
+    """Its faces, the middle of its length at 0."""
+    faces = faces_of(surface)
+    return faces - np.array([(faces[..., 0].min() + faces[..., 0].max()) / 2, 0.0, 0.0])
+
+
+def box_of(surfaces: Sequence[Grid | PeriodicMesh]) -> tuple[float, float]:
+    """Half the width and height of the smallest box in which some surfaces are seen, centred, from afar."""
+    reach = np.max([np.abs(seen_points(surface)).max(axis=0) for surface in surfaces], axis=0)
+    return EDGE * float(reach[0]), EDGE * float(reach[1])
+
+
+def seen_points(surface: Grid | PeriodicMesh) -> Array:
+    """Corners of its faces to the right of and above the middle of the box, shape (K, 2)."""
+    return np.asarray((_centred(surface) @ AFAR[:2].T).reshape(-1, 2))
+
+
+EDGE = 1.02
+"""Size of a box by that of what is in it."""
 
 
 def add_faces(axes: Axes, faces: Array, colours: Array, seen_from: Array, edges: Any = "face") -> None:
@@ -92,23 +122,20 @@ def add_faces(axes: Axes, faces: Array, colours: Array, seen_from: Array, edges:
 
 
 def show_surface(
-    axes: Axes, surface: Grid | PeriodicMesh, half_length: float, extent: float, colour: str | Array = PLAIN
+    axes: Axes, surface: Grid | PeriodicMesh, box: tuple[float, float], colour: str | Array = PLAIN
 ) -> None:
     """A tube seen from afar, lit from above, in a box of given size: what is farther away is drawn first.
 
-    The axes are plain ones, whose limits are those of the box as it is seen, so that nothing is drawn outside of them.
-
     Args:
-        axes: what they showed is cleared.
+        axes: plain ones; what they showed is cleared.
         surface: the tube; the middle of its length is put into the middle of the box.
-        half_length, extent: half the size of the box along and across the axis.
+        box: half its width and height, from ``box_of``.
         colour: of the surface, or red, green and blue of each of its faces.
     """
-    faces = faces_of(surface)
-    faces = faces - np.array([(faces[..., 0].min() + faces[..., 0].max()) / 2, 0.0, 0.0])
     axes.clear()
-    add_faces(axes, faces, np.array(to_rgb(colour)) if isinstance(colour, str) else colour, AFAR)
-    box = np.abs(AFAR[:2]) @ np.array([half_length, extent, extent])
+    add_faces(axes, _centred(surface), np.array(to_rgb(colour)) if isinstance(colour, str) else colour, AFAR)
+    for faces in axes.collections:
+        faces.set_rasterized(True)  # thousands of polygons
     axes.set(xlim=(-box[0], box[0]), ylim=(-box[1], box[1]), aspect="equal")
     axes.set_axis_off()
 
@@ -155,17 +182,17 @@ def place_surfaces(
         grid: rows and columns.
     """
     surfaces = [shown(point) for point in points]
-    half_length, extent = box_of(surfaces)
+    seen = box_of(surfaces)
     left, bottom, width, height = box[0], box[1], box[2] / grid[1], box[3] / grid[0]
     for place, (point, surface, title) in enumerate(zip(points, surfaces, titles, strict=True)):
         row, column = divmod(place, grid[1])
         corner = left + column * width, bottom + (grid[0] - 1 - row) * height
         axes = figure.add_axes((corner[0] + 0.03 * width, corner[1] + 0.04 * height, 0.94 * width, 0.8 * height))
-        show_surface(axes, surface, half_length, extent, colour_of(point))
+        show_surface(axes, surface, seen, colour_of(point))
         figure.text(corner[0] + width / 2, corner[1] + 0.88 * height, title, fontsize="small", ha="center")
 
 
-def along(branch: Branch[Any], count: int = 4) -> list[Solution[Any]]:
+def some_of(branch: Branch[Any], count: int = 4) -> list[Solution[Any]]:
     """Some points from a branch's first to its last."""
     chosen = np.unique(np.linspace(0, len(branch.points) - 1, count).round().astype(int))
     return [branch.points[i] for i in chosen]

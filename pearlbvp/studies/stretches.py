@@ -121,14 +121,20 @@ class Piece:
         raise PathEnd(f"the shape of v = {v:.10g} between points {pair[0]} and {pair[1]} could not be computed")
 
 
-def pieces(name: str, branch: Branch[Any]) -> list[Piece]:
-    """A branch in pieces of one stability each, along which the volume is monotone."""
+def pieces(name: str, branch: Branch[Any], judged: bool = True) -> list[Piece]:
+    """A branch in pieces of one stability each, along which the volume is monotone.
+
+    Args:
+        name: of the branch.
+        branch: of any family.
+        judged: whether stability divides it; else no piece is called stable.
+    """
     found: list[Piece] = []
     v = [point.value("v") for point in branch.points]
     for i in range(len(v) - 1):
         if abs(v[i + 1] - v[i]) <= SAME_VOLUME:
             continue
-        stable, grows = _is_stable_between(branch, i), v[i + 1] > v[i]
+        stable, grows = judged and _is_stable_between(branch, i), v[i + 1] > v[i]
         before = found[-1] if found else None
         if before and before.last == i and before.stable == stable and (v[i] > v[i - 1]) == grows:
             found[-1] = Piece(name, branch, before.first, i + 1, stable)

@@ -249,10 +249,14 @@ def test_branches_of_different_tubes_say_so_in_one_line_and_in_the_picture(capsy
     said = "; ".join(f"{name}: {tube}" for name, tube in tubes.items())
     assert err == f"pearlbvp: the branches are of different tubes: {said}\n"
     labels = [text.get_text() for text in figures[0].axes[0].get_legend().get_texts()]
-    assert labels == [f"{name} ({tube})" for name, tube in tubes.items()]
+    names = ("pearls m = 4", "coils (1,1)", "wrinkles n = 2")
+    assert labels == [f"{name} ({tube})" for name, tube in zip(names, tubes.values(), strict=True)]
     _, _, err = run(capsys, "diagram", paths[0], files["localized"][0], *plot)
     assert err == ""
-    assert [text.get_text() for text in figures[1].axes[0].get_legend().get_texts()] == ["pearl", "localized"]
+    assert [text.get_text() for text in figures[1].axes[0].get_legend().get_texts()] == [
+        "pearls m = 4",
+        "localized pearl",
+    ]
     run(capsys, "vary", paths[1], "L", "--max-points", 3, "--save", tmp_path / "l.h5")
     _, _, err = run(capsys, "diagram", tmp_path / "l.h5", paths[1], *plot)
     assert err == "pearlbvp: the branches are of different tubes: l: L varies; coil: L = 10\n"
