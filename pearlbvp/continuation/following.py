@@ -154,10 +154,17 @@ class _Run(Generic[P]):
             if wanted is not None and not wanted.converged:
                 reason = "a wanted value lies just ahead, but could not be reached; take shorter steps"
                 return self.end(Status.FAILED, reason)
-            latest = self._whole(point if wanted is None else wanted.point)
-            events = events_between(before, latest, self.watched, at_start, options.locating)
+            latest = point if wanted is None else wanted.point
             length = _length(before, latest)
             shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
+            try:
+                latest = self._whole(latest)
+                events = events_between(before, latest, self.watched, at_start, options.locating)
+            except SpectrumError:  # too far: the branch is to be known up to where that begins
+                if shorter < FINEST * options.path.step:
+                    raise
+                path, tried = steps(replace(before, step=shorter), options.path), shorter
+                continue
             doubtful = any(_is_doubtful(event, problem, options.until_special) for event in events)
             if doubtful and shorter > 10 * options.path.min_step:
                 path, tried = steps(replace(before, step=shorter), options.path), shorter
@@ -215,6 +222,9 @@ class _Run(Generic[P]):
 
 MORE = "; ask for more (max_points), or go on from its end"
 """Advice where a branch has as many points as it may have."""
+
+FINEST = 0.25
+"""Share of the first step up to which steps are shortened where the stability of the next point cannot be known."""
 
 WALL = 1e-9
 """Distance of an observable from its wall that is none."""

@@ -13,8 +13,8 @@ from pearlbvp.tube.waves import ModeWaves
 MOST_WAVES = 20000
 """Waves along times waves around, beyond which a spectrum is not tried."""
 
-MOST_WORK = 1e10
-"""Cubes of the sizes of all symmetry blocks, up to which a spectrum is computed: a few seconds."""
+MOST_WORK = 4e10
+"""Cubes of the sizes of all symmetry blocks, up to which a spectrum is computed: eight seconds."""
 
 
 @lru_cache(maxsize=16)

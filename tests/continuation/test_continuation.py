@@ -7,8 +7,11 @@ import pytest
 from support.curves import Curve
 
 from pearlbvp.continuation import PathOptions, follow
+from pearlbvp.continuation.branch import Status
 from pearlbvp.continuation.chebyshev import Unresolved, in_pieces, resolve, series
+from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.solution import Solution
+from pearlbvp.errors import SpectrumError
 
 CIRCLE = Curve(lambda x, y: x**2 + y**2 - 1, lambda x, y: np.array([2 * x, 2 * y]))
 PITCHFORK = Curve(lambda x, y: x * (y - x**2), lambda x, y: np.array([y - 3 * x**2, x]))
@@ -46,6 +49,24 @@ def test_a_path_that_ends_says_why():
     )
     assert not path.complete
     assert "min_step" in path.reason
+
+
+class Unknown(Curve):
+    """A circle on whose upper part stability cannot be known."""
+
+    def spectrum(self, u):
+        if u[1] > 0.8:
+            raise SpectrumError("its stability would take too many modes")
+        return super().spectrum(u)
+
+
+def test_a_branch_ends_where_its_stability_cannot_be_known_not_a_long_step_before():
+    first = start(Unknown(CIRCLE.f, CIRCLE.gradient), [0, -1], [1, 0])
+    options = BranchOptions(PathOptions(step=0.1, max_step=0.5), folds=())
+    branch = continue_branch(first, options)
+    assert (branch.status, branch.reason) == (Status.FAILED, "its stability would take too many modes")
+    assert 0 < math.asin(0.8) - math.asin(branch.points[-1].u[1]) < 0.2
+    assert len(branch.points) < 14
 
 
 def test_max_points_is_a_reason_too():
