@@ -108,7 +108,7 @@ def branch(
     Exit status: 0, 1 where --until was not reached or something could not be computed (all points are written), 2 for input
     that cannot be used.
 
-    Rings end where they touch themselves; coils, buckles and what branches off from them where a section is no longer
+    Branches end where the surface touches itself; coils, buckles and what branches off from them where a section is no longer
     star-shaped. A saved branch goes on by `resume`, `switch`, `vary` and `follow`.
 
     With --nodes the surface is a mesh, which needs no sections; one to two seconds a point at 500, ten at 3000. Where mu_error

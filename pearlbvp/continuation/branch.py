@@ -32,6 +32,8 @@ class Status(Enum):
     """It has as many points as were allowed; it can go on."""
     LIMIT = "limit"
     """Where its shapes end, or can be described no further."""
+    CONTACT = "contact"
+    """Where the surface touches itself; beyond, it would pass through itself."""
     PITCHFORK = "pitchfork"
     """Where it meets a more symmetric branch; beyond, it would repeat its own mirror images."""
     FAILED = "failed"

@@ -139,6 +139,22 @@ def first_wanted(first: Solution[P], last: Solution[P], until: Mapping[str, floa
     return min(stops, key=lambda event: event.s, default=None)
 
 
+def contact(first: Solution[P], last: Solution[P]) -> Event[P] | None:
+    """Where between two points a surface begins to pass through itself; not located where that is known of the last alone."""
+    ends = first.clearance, last.clearance
+    if not ends[1] < 0:
+        return None
+    none = Event(math.inf, "contact", last, converged=False)
+    if ends[0] < 0 or not all(map(math.isfinite, ends)):
+        return none
+    found = _located(Segment(first, last), "contact", lambda point: point.clearance, ends, tolerance=1e-13, smooth=True)
+    return found if found.converged and abs(found.point.clearance) < TOUCHING else none
+
+
+TOUCHING = 1e-9
+"""Clearance that is none."""
+
+
 def _turning(
     behind: Mapping[str, float], ahead: Mapping[str, float], names: Sequence[str]
 ) -> dict[str, tuple[float, float]]:

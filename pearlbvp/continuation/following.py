@@ -15,7 +15,7 @@ from typing import Any, Generic
 import numpy as np
 
 from pearlbvp.continuation.branch import Branch, SpecialPoint, Status, is_of_kind
-from pearlbvp.continuation.events import SAME_VALUE, Event, events_between, first_wanted, has_value
+from pearlbvp.continuation.events import SAME_VALUE, Event, contact, events_between, first_wanted, has_value
 from pearlbvp.continuation.path import PathEnd, PathOptions, steps
 from pearlbvp.continuation.problem import P, Problem
 from pearlbvp.continuation.segment import Segment
@@ -92,6 +92,8 @@ def continue_branch(
     run = _Run(start, options, at_bifurcation)
     try:
         return run.to_its_end(exact or {})
+    except _PassesThroughItselfError:
+        return run.end(Status.CONTACT, CONTACT)
     except (PathEnd, SpectrumError) as error:
         return run.end(Status.FAILED, error.args[0])  # which may be a sentence with units
     except np.linalg.LinAlgError as error:
@@ -139,7 +141,7 @@ class _Run(Generic[P]):
         """Step by step; see ``continue_branch``.
 
         Raises:
-            PathEnd, SpectrumError, numpy.linalg.LinAlgError: it cannot go on.
+            PathEnd, SpectrumError, _PassesThroughItselfError, numpy.linalg.LinAlgError: it cannot go on.
         """
         options, problem = self.options, self.start.problem
         self.points.append(self._whole(self.start))
@@ -155,12 +157,16 @@ class _Run(Generic[P]):
                 reason = "a wanted value lies just ahead, but could not be reached; take shorter steps"
                 return self.end(Status.FAILED, reason)
             latest = point if wanted is None else wanted.point
+            touching = contact(before, latest)
+            latest = latest if touching is None else touching.point
             length = _length(before, latest)
             shorter = min(length, tried) / 4  # a new mesh may add to the length what no shorter step takes away
             try:
+                if touching is not None and not touching.converged:
+                    raise _PassesThroughItselfError
                 latest = self._whole(latest)
                 events = events_between(before, latest, self.watched, at_start, options.locating)
-            except SpectrumError:  # too far: the branch is to be known up to where that begins
+            except (SpectrumError, _PassesThroughItselfError):  # the branch is to be known up to where that begins
                 if shorter < FINEST * options.path.step:
                     raise
                 path, tried = steps(replace(before, step=shorter), options.path), shorter
@@ -171,7 +177,8 @@ class _Run(Generic[P]):
                 continue
             if doubtful or length > 4 * tried:  # beyond the place of doubt
                 tried = math.inf
-            end = self._take(events, length) or self._arrive(events, latest, length, reached=wanted is not None)
+            reached = Status.CONTACT if touching else Status.REACHED if wanted else None
+            end = self._take(events, length) or self._arrive(events, latest, length, reached)
             if end is not None:
                 return end
 
@@ -198,7 +205,9 @@ class _Run(Generic[P]):
         index = len(self.points) - 1
         self.special += [SpecialPoint(e.kind, index, e.block, e.change, e.converged, (0.0, length)) for e in events]
 
-    def _arrive(self, events: list[Event[P]], latest: Solution[P], length: float, reached: bool) -> Branch[P] | None:
+    def _arrive(
+        self, events: list[Event[P]], latest: Solution[P], length: float, reached: Status | None
+    ) -> Branch[P] | None:
         """The computed point of a step; the whole branch, if it ends there."""
         options, most = self.options, self.options.path.max_points
         self.points.append(latest)
@@ -208,6 +217,8 @@ class _Run(Generic[P]):
         if asked is not None:
             reason = f"the wanted {asked.kind} lies just before, but could not be located; take shorter steps"
             return self.end(Status.FAILED, reason)
+        if reached is Status.CONTACT:
+            return self.end(reached, CONTACT)
         if reached:
             walls = latest.problem.walls.items()
             wall = next((why for name, (at, why) in walls if abs(latest.value(name) - at) < WALL), None)
@@ -224,7 +235,14 @@ MORE = "; ask for more (max_points), or go on from its end"
 """Advice where a branch has as many points as it may have."""
 
 FINEST = 0.25
-"""Share of the first step up to which steps are shortened where the stability of the next point cannot be known."""
+"""Share of the first step up to which steps are shortened where the next point is none, or its stability cannot be known."""
+
+CONTACT = "the surface touches itself; beyond, it would pass through itself"
+
+
+class _PassesThroughItselfError(ArithmeticError):
+    """The next point is no shape of a membrane, and where that begins is not known."""
+
 
 WALL = 1e-9
 """Distance of an observable from its wall that is none."""

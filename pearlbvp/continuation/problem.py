@@ -6,6 +6,7 @@ be freed is up to it: what it does not say, it does without.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar, Self, TypeVar
@@ -86,6 +87,13 @@ class Problem(ABC):
             SpectrumError: the growth rates are not known well enough to go on counting.
         """
         return None
+
+    def clearance(self, u: Array) -> float:
+        """How far a surface is from touching itself: negative where it passes through itself, -inf where no more is known.
+
+        Branches end where it is 0, and where it is -inf at the last point before.
+        """
+        return math.inf
 
     @property
     def walls(self) -> Mapping[str, tuple[float, str]]:

@@ -52,6 +52,11 @@ class Solution(Generic[P]):
         return self.problem.further(self.u)
 
     @cached_property
+    def clearance(self) -> float:
+        """How far the surface is from touching itself (``Problem.clearance``)."""
+        return self.problem.clearance(self.u)
+
+    @cached_property
     def spectrum(self) -> Spectrum:
         """Growth rates in all symmetry blocks.
 

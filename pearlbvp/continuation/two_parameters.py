@@ -111,8 +111,8 @@ class CurveOnSurface(Problem):
     reference: Array
     condition: Condition
 
-    inner, observables, further, poles, limit, walls = map(
-        _of_the_base, ("inner", "observables", "further", "poles", "limit", "walls")
+    inner, observables, further, poles, limit, walls, clearance = map(
+        _of_the_base, ("inner", "observables", "further", "poles", "limit", "walls", "clearance")
     )
     constant, family, headline, trivial_block, conserved = map(
         _of_the_base, ("constant", "family", "headline", "trivial_block", "conserved")

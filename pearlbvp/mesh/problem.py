@@ -38,6 +38,7 @@ from pearlbvp.mesh.adaptation import (
     spread_out,
 )
 from pearlbvp.mesh.amplitudes import largest_wave
+from pearlbvp.mesh.crossing import crossing_triangles
 from pearlbvp.mesh.functional import Functional, Kind, Sums
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -197,6 +198,10 @@ class MeshProblem(MembraneProblem):
         if not spectrum.complete:
             raise SpectrumError("not all unstable perturbations were found; take a finer mesh")
         return None
+
+    def clearance(self, u: Array) -> float:
+        """Whether two triangles pass through each other."""
+        return math.inf if crossing_triangles(self.surface(u)) is None else -math.inf
 
     def own_mesh(self, u: Array) -> PeriodicMesh:
         """The mesh on the surface."""

@@ -104,3 +104,16 @@ def to_multipliers(values: Array, p: Array) -> tuple[Array, Array]:
     with np.errstate(divide="ignore"):
         parameters[1:3] = np.float64(1) / p[1], -2 * np.float64(p[2]) / p[1]
     return moved, parameters
+
+
+def weights_of(wave_number: float, in_large_chart: bool) -> Array | None:
+    """Weights of states and parameters, of a full cell's too, in the inner product; None where all are 1.
+
+    With ``k`` the wave number, ``h`` is of size ``k`` on short pearls, ``w`` and both multipliers are of size ``k^2``; slopes
+    and volumes are of size 1.
+    """
+    if wave_number == 1:
+        return None
+    states = (0, 0, -3, -4) if in_large_chart else (0, 0, -1, -2)
+    parameters = (0, 2, 0, -1, 0, 0, 0) if in_large_chart else (0, -2, -2, -1, 0, 0, 0)
+    return np.asarray(wave_number ** (2.0 * np.array(states + parameters)))

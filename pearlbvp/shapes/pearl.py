@@ -108,7 +108,7 @@ class PearlProblem(Collocated, MembraneProblem):
         free = tuple(names.get(name, name) for name in d.free)
         problem = HALF_CELL_LARGE if large else HALF_CELL
         _, parameters = convert(d.values(u), d.all_parameters(u))
-        weights = weights_of(self.wave_number, large)
+        weights = large_multipliers.weights_of(self.wave_number, large)
         other = replace(d, problem=problem, parameters=parameters, free=free, weights=weights)
 
         def moved(vector: Array) -> Array:
@@ -178,6 +178,10 @@ class PearlProblem(Collocated, MembraneProblem):
         arclength, lambda1, lambda2, c0, length = map(float, p[:5])
         states, period = PiecewisePolynomial(d.mesh, values), length * (2 if self.half else 1)
         return Profile(states, arclength, self.half, c0, lambda1, lambda2, period)
+
+    def clearance(self, u: Array) -> float:
+        """Of the outline from itself and the next periods."""
+        return self.profile(u).clearance()
 
     @property
     def trivial_block(self) -> Block:
@@ -361,7 +365,7 @@ class PearlProblem(Collocated, MembraneProblem):
             problem = full_cell(reference)
         scheme, free = gauss_scheme(int(tree["degree"])), tuple(tree["free"].split(","))
         wave_number = float(tree["wave_number"])
-        weights = weights_of(wave_number, bool(tree["in_large_chart"]))
+        weights = large_multipliers.weights_of(wave_number, bool(tree["in_large_chart"]))
         discretization = Discretization(problem, scheme, tree["mesh"], tree["parameters"], free, weights)
         tolerance, cells, held = float(tree["tolerance"]), int(tree["cells"]), known_held(tree["held"])
         return cls(discretization, reference, tolerance, cells, held, wave_number)
@@ -371,16 +375,3 @@ class PearlProblem(Collocated, MembraneProblem):
         d = self.discretization
         force = axisymmetric.axial_force(*self.multipliers(d.values(u)[:: d.scheme.m], d.all_parameters(u)))
         return float(np.ptp(force))
-
-
-def weights_of(wave_number: float, in_large_chart: bool) -> Array | None:
-    """Weights of states and parameters, of a full cell's too, in the inner product; None where all are 1.
-
-    With ``k`` the wave number, ``h`` is of size ``k`` on short pearls, ``w`` and both multipliers are of size ``k^2``; slopes
-    and volumes are of size 1.
-    """
-    if wave_number == 1:
-        return None
-    states = (0, 0, -3, -4) if in_large_chart else (0, 0, -1, -2)
-    parameters = (0, 2, 0, -1, 0, 0, 0) if in_large_chart else (0, -2, -2, -1, 0, 0, 0)
-    return np.asarray(wave_number ** (2.0 * np.array(states + parameters)))

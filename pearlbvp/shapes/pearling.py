@@ -15,8 +15,9 @@ from pearlbvp.errors import InputError
 from pearlbvp.held import Held
 from pearlbvp.helfrich import SHORT_WAVE, Tube, WaveNumbers, cylinder_lambda1
 from pearlbvp.membrane import Family, Start, checked_tolerance
+from pearlbvp.shapes import large_multipliers
 from pearlbvp.shapes.cells import HALF_CELL
-from pearlbvp.shapes.pearl import PearlProblem, weights_of
+from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.theory.dispersion import onset_lambda2
 from pearlbvp.units import Sentence
 
@@ -56,7 +57,7 @@ def pearling_onset(
     parameters = np.array([half, cylinder_lambda1(onset, tube.c0), onset, tube.c0, half, 1.0])
     free = ("arclength", "lambda1", "lambda2", "v")
     short = max(k / SHORT_WAVE, 1.0)
-    weights = weights_of(short, False)
+    weights = large_multipliers.weights_of(short, False)
     discretization = Discretization(
         HALF_CELL, gauss_scheme(degree), _uniform_mesh(intervals), parameters, free, weights
     )

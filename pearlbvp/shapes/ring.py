@@ -37,8 +37,6 @@ from pearlbvp.units import Sentence
 
 FREE = ("a", "p", "v")
 
-CONTACT = "the ring touches itself; beyond, it would pass through itself"
-
 RESOLVED = 1e-4
 """Error of growth rates beyond which a branch ends rather than count wrongly."""
 
@@ -212,10 +210,9 @@ class RingProblem(Collocated, MembraneProblem):
         points, (psi, kappa, _) = section.curve(sigma), section.at(sigma).T
         return {"y": points.real, "z": points.imag, "psi": psi, "H": kappa / 2}
 
-    @property
-    def walls(self) -> Mapping[str, tuple[float, str]]:
-        """No ring goes on where it touches itself."""
-        return {"gap": (0.0, CONTACT), **super().walls}
+    def clearance(self, u: Array) -> float:
+        """The gap between the two sides of a lobe."""
+        return self.gap(u)
 
     def limit(self, observed: Mapping[str, float], spectrum: Spectrum) -> str | None:
         """A spectrum that is not resolved."""

@@ -20,8 +20,9 @@ from pearlbvp.arrays import Array
 from pearlbvp.collocation import Discretization, gauss_scheme
 from pearlbvp.collocation.polynomial import all_points
 from pearlbvp.roots import NoRoot, root
+from pearlbvp.shapes import large_multipliers
 from pearlbvp.shapes.cells import HALF_CELL_LARGE
-from pearlbvp.shapes.pearl import PearlProblem, weights_of
+from pearlbvp.shapes.pearl import PearlProblem
 
 SAMPLES = 4096
 """Points of a period: sums over them are spectrally accurate but for the thinnest necks."""
@@ -97,5 +98,6 @@ def unduloid_pearl(
     states = np.column_stack((r, np.arctan2(sine, cosine), g, omega))
     parameters = np.array([math.pi / (2 * h), 0.0, h, c0, unduloid.period / 2, unduloid.v])
     free = ("arclength", "compliance", "mean", "v")
-    discretization = Discretization(HALF_CELL_LARGE, scheme, mesh, parameters, free, weights_of(1.0, True))
+    weights = large_multipliers.weights_of(1.0, True)
+    discretization = Discretization(HALF_CELL_LARGE, scheme, mesh, parameters, free, weights)
     return PearlProblem(discretization, None, tolerance, cells=cells), discretization.pack(states, parameters)

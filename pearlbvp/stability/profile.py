@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import PiecewisePolynomial
+from pearlbvp.compiled import compiled
 from pearlbvp.errors import InputError
 from pearlbvp.membrane import Surface
 from pearlbvp.projection import Projection
@@ -81,10 +83,32 @@ class Profile:
                 break
         return whole.states(sigma)[:, 0]
 
-    def crosses_itself(self) -> bool:
-        """Whether the outline crosses itself or its next period: such a surface passes through itself."""
+    def clearance(self) -> float:
+        """How far the outline is from touching its mirror images, or the period where it overhangs nowhere.
+
+        Negative where it crosses them: then the surface passes through itself. It meets a plane of reflection first where it is
+        perpendicular to the axis there, so that between two such planes this is twice the least distance of those places.
+        -inf where it crosses itself elsewhere.
+        """
+        if self.is_graph:
+            return self.period
         x, r = self.outline()
-        return outline_crosses_itself(x, r, self.period)
+        nearest = self._over_planes(x) if self.half else self.period
+        return -math.inf if nearest >= 0 and outline_crosses_itself(x, r, self.period) else nearest
+
+    def _over_planes(self, places: Array) -> float:
+        """Twice the least distance from the planes of reflection of places where the outline runs perpendicular to the axis."""
+        points = self.states.points
+        along = PiecewisePolynomial(self.states.mesh, places[: len(points), None])
+        r, psi, h, _ = self.states.values.T
+        turning = np.flatnonzero(np.cos(psi[:-1]) * np.cos(psi[1:]) < 0)
+        sigma = (points[turning] + points[turning + 1]) / 2
+        for _ in range(6):  # Newton's method for cos psi = 0
+            r, psi, h, _ = self.states(sigma).T
+            slope = self.arclength * (np.cos(psi) / r - 2 * h)
+            sigma = np.clip(sigma + np.cos(psi) / (np.sin(psi) * slope), points[turning], points[turning + 1])
+        x = along(sigma)[:, 0]
+        return float(2 * np.minimum(x, self.period / 2 - x).min(initial=self.period / 2))
 
     def projection(self) -> Projection:
         """The whole period over the straight tube."""
@@ -141,18 +165,25 @@ def outline_crosses_itself(x: Array, r: Array, period: float) -> bool:
     """
     if (np.diff(x) > 0).all():
         return False
-    ends = np.stack((np.append(x[:-1], x + period), np.append(r[:-1], r)))
-    start, along = ends[:, :-1], np.diff(ends)
-    count = along.shape[1]
+    return bool(_crosses(np.append(x[:-1], x + period), np.append(r[:-1], r)))
 
-    def turns(point: Array) -> Array:
-        """On which side of each segment (rows) points (columns) lie."""
-        away = point[:, None, :] - start[:, :, None]
-        return np.asarray(np.sign(along[0][:, None] * away[1] - along[1][:, None] * away[0]))
 
-    parted = turns(start) * turns(start + along) < 0
-    both = parted & parted.T
-    return bool(both[np.triu_indices(count, 2)].any())
+@compiled
+def _turn(x, r, i, j):  # type: ignore[no-untyped-def]
+    """On which side of the segment from corner ``i`` on the corner ``j`` lies."""
+    return (x[i + 1] - x[i]) * (r[j] - r[i]) - (r[i + 1] - r[i]) * (x[j] - x[i])
+
+
+@compiled
+def _crosses(x, r):  # type: ignore[no-untyped-def]
+    """Whether two segments of a polygon cross that are no neighbours: the ends of either on both sides of the other."""
+    for i in range(len(x) - 1):
+        for j in range(i + 2, len(x) - 1):
+            if min(x[j], x[j + 1]) > max(x[i], x[i + 1]) or max(x[j], x[j + 1]) < min(x[i], x[i + 1]):
+                continue
+            if _turn(x, r, i, j) * _turn(x, r, i, j + 1) < 0 and _turn(x, r, j, i) * _turn(x, r, j, i + 1) < 0:
+                return True
+    return False
 
 
 @dataclass(frozen=True)

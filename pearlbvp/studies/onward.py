@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from pearlbvp.continuation.branch import Branch, SpecialPoint
+from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
 from pearlbvp.continuation.following import WALL, BranchOptions, continue_branch
 from pearlbvp.continuation.path import correct
 from pearlbvp.continuation.problem import LiftError
@@ -44,11 +44,12 @@ def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     if wanted_there(branch, options) is not None:
         return branch
     last = branch.points[-1]
-    for name, (at, why) in last.problem.walls.items():
-        if abs(last.value(name) - at) < WALL:
-            raise InputError(
-                "resume", f"the branch ends where {why.partition(';')[0]}, so nothing follows", "branch off before"
-            )
+    at_wall = (why for name, (at, why) in last.problem.walls.items() if abs(last.value(name) - at) < WALL)
+    ended = branch.reason if branch.status is Status.CONTACT else next(at_wall, "")
+    if ended:
+        raise InputError(
+            "resume", f"the branch ends where {ended.partition(';')[0]}, so nothing follows", "branch off before"
+        )
     if len(branch.points) == 1 and branch.complete:  # where a flow ended: it has no direction yet
         branch = replace(branch, points=[_towards(last, options.until)])
     further = continue_branch(branch.points[-1], options.beyond(branch), at_bifurcation=branch.ends_at_bifurcation)

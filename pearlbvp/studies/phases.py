@@ -26,7 +26,7 @@ from pearlbvp.studies.branch import branch_options
 from pearlbvp.studies.diagram import ENDS, diagram
 from pearlbvp.studies.search import Search
 from pearlbvp.studies.shape import both_ways
-from pearlbvp.studies.stretches import SAME_VOLUME, Piece, distinct, is_same, passes_through_itself, pieces
+from pearlbvp.studies.stretches import SAME_VOLUME, Piece, distinct, is_same, pieces
 from pearlbvp.studies.transitions import STRAIGHT, least_parts, ranges, transitions
 from pearlbvp.theory.dispersion import critical_lambda2, stable_interval
 
@@ -50,7 +50,7 @@ MOST_UNSTABLE = 2
 
 @dataclass(frozen=True)
 class WithinVolumes:
-    """A reason to end a branch: its volume leaves a range, or its shapes pass through themselves."""
+    """A reason to end a branch: its volume leaves a range."""
 
     low: float
     high: float
@@ -58,7 +58,7 @@ class WithinVolumes:
     def __call__(self, point: Solution[Any]) -> str | None:
         """Why a branch ends at a point, or None."""
         inside = self.low - SAME_VOLUME <= point.value("v") <= self.high + SAME_VOLUME
-        return passes_through_itself(point) if inside else "its volume leaves the range"
+        return None if inside else "its volume leaves the range"
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,6 @@ from pearlbvp.continuation.events import first_wanted
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.continuation.solution import Solution
-from pearlbvp.shapes.pearl import PearlProblem
 
 STEEPEST = 3.0
 """Slope of an energy by that of the chord beyond which it is taken from the chord: multipliers pass through infinity there."""
@@ -190,17 +189,6 @@ def is_same(one: Solution[Any], other: Solution[Any]) -> bool:
     p, q = one.observables, other.observables
     gaps = {name: abs(p[name] - q[name]) for name in ("E", "lambda2", "r_max")}
     return gaps["E"] < SAME_ENERGY and max(gaps["lambda2"], gaps["r_max"]) < SAME_SLOPE
-
-
-def passes_through_itself(shape: Solution[Any]) -> str | None:
-    """Why a shape is none of a membrane, or None.
-
-    Only outlines that overhang can cross themselves before their family's own limits: reduced modes have one closed
-    section in each plane across the axis, star-shaped as long as ``r_min > 0``, and rings end where they touch.
-    """
-    if isinstance(shape.problem, PearlProblem) and shape.problem.profile(shape.u).crosses_itself():
-        return "its outline crosses itself: the surface passes through itself"
-    return None
 
 
 def equal_energies(one: Piece, other: Piece) -> list[float]:

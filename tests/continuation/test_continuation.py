@@ -1,6 +1,7 @@
 """Path following and Chebyshev resolution on algebraic curves that are known exactly: nothing of membranes here."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -67,6 +68,26 @@ def test_a_branch_ends_where_its_stability_cannot_be_known_not_a_long_step_befor
     assert (branch.status, branch.reason) == (Status.FAILED, "its stability would take too many modes")
     assert 0 < math.asin(0.8) - math.asin(branch.points[-1].u[1]) < 0.2
     assert len(branch.points) < 14
+
+
+@dataclass(frozen=True)
+class Touching(Curve):
+    """A circle whose solutions pass through themselves on its upper part, as far as is known."""
+
+    exactly: bool
+
+    def clearance(self, u):
+        beyond = u[1] - 0.8
+        return -beyond if self.exactly else -math.inf if beyond > 0 else math.inf
+
+
+@pytest.mark.parametrize(("exactly", "farthest"), [(True, 1e-12), (False, 0.2)])
+def test_a_branch_ends_where_its_surface_touches_itself(exactly, farthest):
+    first = start(Touching(CIRCLE.f, CIRCLE.gradient, exactly), [0, -1], [1, 0])
+    branch = continue_branch(first, BranchOptions(PathOptions(step=0.1, max_step=0.5), folds=()))
+    assert branch.status is Status.CONTACT
+    assert -1e-12 < math.asin(0.8) - math.asin(branch.points[-1].u[1]) < farthest
+    assert [special.kind for special in branch.special] == ["start", "end"]
 
 
 def test_max_points_is_a_reason_too():

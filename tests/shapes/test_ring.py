@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from pearlbvp.collocation import Discretization, gauss_scheme
+from pearlbvp.continuation.branch import Status
 from pearlbvp.continuation.path import correct
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions, newton
 from pearlbvp.shapes.lobe import HALF_LOBE
-from pearlbvp.shapes.ring import CONTACT, ring_onset
+from pearlbvp.shapes.ring import ring_onset
 from pearlbvp.stability.planar import PlanarBlock, PlanarVariation, PlaneProfile, classes_of, planar_spectrum
 from pearlbvp.studies.branch import COLUMNS, branch_options, family_branch
 from pearlbvp.studies.onward import resumed
@@ -289,7 +290,7 @@ def test_only_the_wave_number_counts():
 
 def test_a_branch_ends_exactly_at_contact_unless_told_to_stop_before():
     whole = branch(-1.0)
-    assert (whole.reason, whole.complete, whole.special[-1].kind) == (CONTACT, False, "end")
+    assert (whole.status, whole.complete, whole.special[-1].kind) == (Status.CONTACT, False, "end")
     assert whole.points[-1].observables["gap"] == pytest.approx(0, abs=1e-12)
     assert whole.points[-1].observables["lambda2"] == pytest.approx(touching_ring(2).lambda2, abs=1e-10)
     assert set(COLUMNS) | {"gap"} == set(whole.table().columns)
@@ -297,10 +298,10 @@ def test_a_branch_ends_exactly_at_contact_unless_told_to_stop_before():
     assert (stopped.complete, stopped.special[-1].kind) == (True, "stop")
     assert stopped.points[-1].observables["r_min"] == pytest.approx(0.25, abs=1e-12)
     near = resumed(branch(-1.0, r_min=0.0045), branch_options(max_step=1e-2))  # no neck is too thin for a ring
-    assert near.reason == CONTACT
+    assert near.status is Status.CONTACT
     assert (near.table().r_min < 4e-3).sum() > 3
     beyond = branch(-1.0, v=0.1)
-    assert (beyond.reason, beyond.complete) == (CONTACT, False)
+    assert (beyond.status, beyond.complete) == (Status.CONTACT, False)
     with pytest.raises(InputError, match="^resume: "):
         resumed(whole, branch_options())
 
