@@ -8,7 +8,6 @@ from typing import Any
 
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.solution import Solution
-from pearlbvp.errors import InputError
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.flow_end import end_point
 from pearlbvp.studies.flow_start import solution_start
@@ -25,6 +24,12 @@ PUSH = 0.02
 
 SADDLES = 3
 """Flows, one after another, of which each begins at the saddle where the one before stopped."""
+
+COARSE = 0.01
+"""Relative difference of energies, which are small near unduloids, that the few modes of a flow explain."""
+
+ALONG, AROUND = 2.6, 6
+"""Largest wave numbers of flows of pearls that lose their axis: along, by the length, and around."""
 
 ENERGY, OTHERS = 1e-8, 1e-5
 """Differences of ``E``, and of ``lambda2`` and ``r_max``, of the end of a flow and a shape of a branch that are one."""
@@ -49,10 +54,6 @@ def falls_to(piece: Piece, upper: bool, unstable: Sequence[Piece], stretches: Se
     start = _start(piece, upper, unstable)
     if start is None:
         return []
-    if isinstance(start.problem, PearlProblem) and start.spectrum.critical.n:
-        raise InputError(
-            "flow", f"the perturbation {start.spectrum.critical} is not axisymmetric", "let it flow on a mesh"
-        )
     names: dict[str, None] = {}
     for push in (PUSH, -PUSH):
         name = _named(_at_rest(start, push), [piece, *stretches])
@@ -64,9 +65,11 @@ def falls_to(piece: Piece, upper: bool, unstable: Sequence[Piece], stretches: Se
 def _at_rest(start: Solution[Any], push: float) -> Solution[Any]:
     """Where a shape that is pushed comes to rest: a flow that stops at a saddle, where symmetry leads it, is pushed on."""
     end = start
+    bends = isinstance(start.problem, PearlProblem) and start.spectrum.critical.n > 0
+    size = (max(12, math.ceil(ALONG * start.value("L"))), AROUND) if bends else None
     for _ in range(SADDLES):
-        begun = solution_start(end)
-        end = end_point(begun.flow(begun.perturbed("critical", push, keep=True)))
+        begun = solution_start(end, symmetric=not bends, size=size)
+        end = end_point(begun.flow(begun.perturbed("critical", push, keep=True)), unlike=COARSE)
         if end.spectrum.n_unstable == 0:
             break
     return end

@@ -289,15 +289,15 @@ def stability(end: Equilibrium) -> Any:
     return problem.spectrum(u)
 
 
-def end_point(result: FlowResult, *, upwards: bool = True) -> Solution[Any]:
-    """The end of a flow as a point of a branch, its tangent towards larger or smaller volume.
+def end_point(result: FlowResult, *, upwards: bool = True, unlike: float = UNLIKE) -> Solution[Any]:
+    """The end of a flow as a point of a branch, its tangent towards larger or smaller volume; ``unlike`` as ``solution_of``.
 
     Raises:
         InputError: the flow did not come to rest, or its end is no point of a branch.
     """
     if result.equilibrium is None or not result.equilibrium.converged:
         raise InputError("flow", f"it ended as {result.status!r} and is no equilibrium", "let it rest first")
-    problem, u = solution_of(result.equilibrium)
+    problem, u = solution_of(result.equilibrium, unlike)
     direction = _by_volume(u) if upwards else -_by_volume(u)
     try:
         return Solution.along(problem, u, tangent_along(problem, u, direction))

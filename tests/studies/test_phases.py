@@ -125,17 +125,23 @@ def test_rings_are_elastic_rings_and_end_where_waves_grow():
     assert list(found.ranges["branch"]) == ["", "ring 0:2"]
 
 
-def test_shapes_that_lose_their_axis_are_not_said_to_fall_along_it():
-    """Pearls of period 4.5 at ``c0 = 0.6`` are stable near ``v = 0.9453`` only: bent below, unequal above."""
-    found = phases(Tube(0.6, 9), [0.94, 0.95], modes=[(2, 0)], depth=1, unstable=0, flows=True)
+def test_pearls_that_lose_their_axis_flow_to_bent_ones():
+    found = phases(Tube(0.4, 4.5), [0.959, 0.961], modes=[(1, 0)], flows=True)
+    below = found.transitions.set_index(["event", "branch"]).loc[("stable", "1")]
+    assert (below.falls_to, below.critical, below.other) == ("1/1", "n=1 j=0/1 even", "1/1")
+    shapes = found.shapes(0.959)
+    assert [shape.problem.family for shape in shapes.values()] == ["buckle"]
+
+
+def test_pearls_that_are_stable_in_a_narrow_range_only():
+    """Pearls of period 4.5 at ``c0 = 0.6`` are stable near ``v = 0.9453``: bent below, unequal above."""
+    found = phases(Tube(0.6, 9), [0.94, 0.95], modes=[(2, 0)], depth=1, unstable=0)
     assert list(found.shapes(0.94)) == ["2/7"]  # the bent ones
     assert found.shapes(0.94)["2/7"].spectrum.n_unstable == 0
     table = found.transitions.set_index(["event", "branch"])
     limits = [table.loc[(event, "2"), "v"] for event in ("stable", "unstable")]
     assert limits[0] < 0.94531 < limits[1] < 0.94535
-    below, above = table.loc[("stable", "2")], table.loc[("unstable", "2")]
-    assert (below.falls_to, "not axisymmetric" in below.message) == ("", True)
-    assert above.falls_to in found.branches
+    assert (table.loc[("stable", "2"), "other"], table.loc[("unstable", "2"), "other"]) == ("2/7", "2/6")
 
 
 def test_modes_that_matter_are_those_of_least_energy_beside_the_straight_tube():
