@@ -242,8 +242,8 @@ def _branch(cases: Sequence[Case]) -> list[Sequence[Row]]:
     return [[rows[float(case.parameters[4])]] for case in cases]
 
 
-PHASES_DEPTH = 1
-"""To which the branches of phases are followed."""
+PHASES_DEPTH, PHASES_STARTS = 1, 12
+"""To which the branches of phases are followed, and how many random shapes are relaxed besides."""
 
 
 def _phases(cases: Sequence[Case]) -> list[Sequence[Row]]:
@@ -253,7 +253,7 @@ def _phases(cases: Sequence[Case]) -> list[Sequence[Row]]:
 
     c0, length, _ = cases[0].parameters
     wanted = [float(case.parameters[2]) for case in cases]
-    table = phases(Tube(float(c0), float(length)), wanted, depth=PHASES_DEPTH).table
+    table = phases(Tube(float(c0), float(length)), wanted, depth=PHASES_DEPTH, starts=PHASES_STARTS).table
     status = {True: "none_in_range", False: "found"}
     rows = [{**row, "status": status[row["branch"] == ""]} for row in _records(table)]
     return [[row for row in rows if row["v"] == v] for v in wanted]
@@ -332,9 +332,11 @@ QUESTIONS: Mapping[str, Question] = {
         Question(
             "phases", ("c0", "L", "v"),
             ("c0", "L", "v", "status", "branch", "family", "symmetry", "rank", "E", "excess", "lambda1", "lambda2", "force",
-             "n_unstable", "mu_crit", "critical", "amplitude", "r_min", "r_max", "branches", "depth", "message"),
+             "n_unstable", "mu_crit", "critical", "amplitude", "r_min", "r_max", "branches", "depth", "message",
+             "starts", "rest_here", "origin", "multiplicity"),
             _phases, lambda case: (*case.parameters[:2], float(case.parameters[2]) > 1),
-            integers=("rank", "n_unstable", "branches", "depth"), settings={"depth": PHASES_DEPTH}, check=_check_phases,
+            integers=("rank", "n_unstable", "branches", "depth", "starts", "rest_here", "multiplicity"),
+            settings={"depth": PHASES_DEPTH, "starts": PHASES_STARTS}, check=_check_phases,
             drawn=("E",), says="Which shapes are stable on a tube at given volumes, by their energy.",
             example="phases --c0 0.3:0.48:0.02 --lengths 10:20:1 --volumes 1.005,1.01,1.05 --store h.sqlite",
         ),

@@ -52,11 +52,11 @@ def test_a_branch_is_asked_at_volumes_on_either_side(tmp_path):
 
 
 def test_shapes_of_a_tube_are_asked_by_volume(tmp_path):
-    found = scan("phases", tmp_path / "s.sqlite", c0=0.48, L=[7.5, 15], v=[1.005, 1.02], workers=1)
-    expected = pb.phases(pb.Tube(0.48, 15), [1.005, 1.02], processes=1)
-    assert found["branch"].tolist() == ["1", "1", "2", "2/1"]
-    assert found["rank"].tolist() == [1, 1, 1, 1]
-    assert found["E"].tolist()[2:] == expected.table["E"].tolist()
+    found = scan("phases", tmp_path / "s.sqlite", c0=0.48, L=[7.5], v=[1.005, 1.02], workers=1)
+    expected = pb.phases(pb.Tube(0.48, 7.5), [1.005, 1.02], starts=12, processes=1)
+    assert (found["branch"].tolist(), found["rank"].tolist()) == (["1", "1"], [1, 1])
+    for name in ("E", "starts", "rest_here"):
+        assert found[name].tolist() == expected.table[name].tolist()
     assert set(found["status"]) == {"found"}
     with pytest.raises(InputError, match="^volumes: no tube of that area"):
         scan("phases", tmp_path / "s.sqlite", c0=0.48, L=10, v=1.6, workers=1)
