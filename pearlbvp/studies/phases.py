@@ -362,7 +362,7 @@ def _curves(everything: Sequence[Piece], stretches: Sequence[Piece], low: float,
     """Energies along all branches, and by how much they exceed the least stable one of their volume, within a range."""
     tables = [pd.DataFrame(columns=CURVES)]
     for piece in everything:
-        v = piece.samples()
+        v = np.union1d(piece.samples(), [end for end in (low, high) if piece.low <= end <= piece.high])
         v = v[(v >= low) & (v <= high)]
         if len(v) == 0:
             continue
