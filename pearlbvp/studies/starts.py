@@ -27,6 +27,7 @@ from pearlbvp.minimum import Minimum, least
 from pearlbvp.shapes.outline import Outline, pearl_of_outline
 from pearlbvp.studies.falls import are_one
 from pearlbvp.studies.flow_end import resolved, solution_of
+from pearlbvp.studies.flow_start import solution_start
 from pearlbvp.studies.parallel import in_processes
 from pearlbvp.studies.search import UNSTABLE, Search
 from pearlbvp.studies.stretches import Piece, pieces
@@ -78,10 +79,9 @@ def starts_within(tube: Tube, low: float, high: float, count: int, seed: int) ->
 def at_rest(start: Start) -> Solution[Any] | str:
     """Where a start comes to rest, with its stability, or why it does not."""
     try:
-        problem, u = (_outline if start.axisymmetric else _tube)(start)
-        upwards = np.zeros_like(u)
-        upwards[-1] = 1.0
-        shape = Solution.along(problem, u, tangent_along(problem, u, upwards)).computed()
+        shape = _computed(*(_outline if start.axisymmetric else _tube)(start))
+        if not start.axisymmetric:
+            shape = _lower(shape, start)
         return "it passes through itself" if shape.clearance < 0 else shape
     except PathEnd as error:
         return str(error.args[0])
@@ -131,6 +131,38 @@ def _tube(start: Start) -> tuple[Any, Any]:
         finer = replace(landscape, flow=replace(landscape.flow, size=(3 * size[0] // 2, 8)))
         q = finer.flow.packed(landscape.flow.known(found.q))
         return _of_modes(finer, _minimum(least(finer, q)))
+
+
+def _computed(problem: Any, u: Any) -> Solution[Any]:
+    upwards = np.zeros_like(u)
+    upwards[-1] = 1.0
+    return Solution.along(problem, u, tangent_along(problem, u, upwards)).computed()
+
+
+def _lower(shape: Solution[Any], start: Start) -> Solution[Any]:
+    """Where an unstable shape, which the few modes of a start may have taken for a minimum, leads on more of them.
+
+    It is pushed along its most unstable perturbation. A shape that these modes do not hold either is left as it is.
+    """
+    for around in AROUND:
+        if shape.spectrum.n_unstable == 0:
+            break
+        try:
+            begun = solution_start(shape, symmetric=False, size=(max(8, math.ceil(0.8 * start.tube.length)), around))
+            assert isinstance(begun.problem, TubeFlow)
+            landscape = TubeLandscape(begun.problem, start.v)
+            found = _minimum(least(landscape, begun.perturbed("critical", PUSH), tolerance=ROUGH))
+            shape = _computed(*_of_modes(landscape, found))
+        except (InputError, PathEnd, SpectrumError, np.linalg.LinAlgError):
+            continue
+    return shape
+
+
+AROUND, PUSH = (12, 16), 0.1
+"""Waves around a tube on which unstable shapes are relaxed once more, and by how many radii they are pushed."""
+
+ROUGH = 1e-6
+"""Reduced gradient at which Newton's method takes over from a relaxation on more modes, whose last steps are costly."""
 
 
 def _of_modes(landscape: TubeLandscape, found: Minimum) -> tuple[Any, Any]:

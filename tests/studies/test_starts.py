@@ -7,6 +7,7 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.phases import phases
 from pearlbvp.studies.starts import Start, at_rest, starts_within
+from pearlbvp.theory.elastica import ring_at
 
 
 def test_starts_come_to_rest_on_a_branch_that_was_followed():
@@ -30,6 +31,17 @@ def test_what_is_minimised_is_what_is_followed(axisymmetric, v, family, mode):
         assert rest.value(name) == pytest.approx(end.points[-1].value(name), abs=1e-8)
     assert rest.spectrum.n_unstable == 0
     assert rest.value("E") == pytest.approx(end.points[-1].value("E"), abs=1e-9)
+
+
+def test_a_symmetric_tube_that_few_modes_take_for_a_minimum_leads_on_to_one_that_is():
+    """Wrinkles at ``c0 = -1`` on ``L = 10`` are unstable below ``v = 0.87565``: to a wave along them.
+
+    The energy of the wrinkled tube with one wave is that of its branch, followed on twice as many modes.
+    """
+    wrinkled = at_rest(Start(Tube(-1.0, 10), 0.86, (0, 2), False))
+    assert (wrinkled.problem.repeats, wrinkled.spectrum.n_unstable) == ((1, 2), 0)
+    assert wrinkled.value("E") == pytest.approx(2.35926042685, abs=1e-10)
+    assert 0 < ring_at(2, "v", 0.86).energy(-1.0) - wrinkled.value("E") < 1e-3
 
 
 def test_a_start_leads_to_a_branch_that_was_not_followed():
