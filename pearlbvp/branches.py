@@ -48,6 +48,23 @@ class Solution(solutions.Solution[Any]):
 
         return shape_mesh(self, nodes)
 
+    def export(self, path: str | os.PathLike[str], nodes: int = 3000, units: Units = RADII) -> None:
+        """Write the surface for another program: ``.vtu`` (ParaView), ``.ply``, ``.obj`` (Blender), ``.fe`` (Surface Evolver).
+
+        Args:
+            path: whose ending names the format.
+            nodes: vertices, about.
+            units: of the vertices.
+
+        Raises:
+            InputError: another ending, or a place that cannot be written to.
+        """
+        from pearlbvp.mesh.files import writable_mesh, write_mesh
+
+        writable_mesh("path", path)
+        c0 = units.to_user("H", self.observables["c0"])
+        write_mesh(units.surface(self.surface(nodes)), path, c0=c0, name="path")
+
     def plot(self) -> Figure:
         """A picture of the surface."""
         from pearlbvp.figures.surface import draw_surfaces

@@ -39,7 +39,9 @@ if TYPE_CHECKING:
               show_default=True, help="Of the energy, and with --solve of the equilibrium.")  # fmt: skip
 @click.option("--solve", is_flag=True, help="Let Newton's method find the equilibrium of the mesh at the same volume.")
 @fix_option(None, needs=("solve",))
-@click.option("--out", type=File(), metavar="FILE.vtu|.ply|.obj", help="Write the mesh there.")
+@click.option(
+    "--out", type=File(), metavar="FILE.vtu|.ply|.obj|.fe", help="Write the mesh there (.fe: for Surface Evolver)."
+)
 @click.option("--plot", type=File(), metavar="FILE.png", help="Draw a picture of the surface.")
 @radius_option
 def mesh(
@@ -103,7 +105,7 @@ def mesh(
     if out is not None:
         from pearlbvp.mesh.files import write_mesh
 
-        others.append(lambda: write_mesh(units.surface(surface), out))
+        others.append(lambda: write_mesh(units.surface(surface), out, c0=units.to_user("H", float(table["c0"][0]))))
 
     def draw() -> Figure:
         from pearlbvp.figures.mesh import draw_mesh

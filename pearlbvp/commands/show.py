@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from pearlbvp.units import Units
 
-SURFACES = (".csv", ".obj", ".ply", ".vtu")
+SURFACES = (".csv", ".obj", ".ply", ".vtu", ".fe")
 """Endings of files with surfaces."""
 
 
@@ -50,8 +50,8 @@ SURFACES = (".csv", ".obj", ".ply", ".vtu")
 @click.option(
     "--surface",
     type=File(),
-    metavar="FILE.csv|.obj|.ply|.vtu",
-    help="Write the point's surface there: as a grid of points, or as triangles.",
+    metavar="FILE.csv|.obj|.ply|.vtu|.fe",
+    help="Write the point's surface there: as a grid of points, or as triangles (.fe: for Surface Evolver).",
 )
 @click.option(
     "--samples",
@@ -180,8 +180,8 @@ def _surface_writer(at: Any, nodes: int, path: Path, units: Units) -> Callable[[
     from pearlbvp.mesh.files import write_mesh
     from pearlbvp.studies.mesh import shape_mesh
 
-    mesh = units.surface(shape_mesh(at, nodes))
-    return lambda: write_mesh(mesh, path, name="--surface")
+    mesh = shape_mesh(at, nodes)
+    return lambda: write_mesh(units.surface(mesh), path, c0=units.to_user("H", at.observables["c0"]), name="--surface")
 
 
 def _flow(file: Path, out: Path | None, plot: Path | None, units: Units) -> int:

@@ -19,6 +19,7 @@ from pearlbvp.mesh.formats.obj import read_obj
 from pearlbvp.mesh.formats.plain import read_off, read_stl
 from pearlbvp.mesh.formats.ply import read_ply
 from pearlbvp.mesh.formats.soup import Soup, Unreadable
+from pearlbvp.mesh.formats.surface_evolver import evolver_text
 from pearlbvp.mesh.formats.vtk import read_vtk
 from pearlbvp.mesh.formats.xml import read_xml
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -27,7 +28,7 @@ from pearlbvp.mesh.tube import tube_of
 from pearlbvp.rounding import steps
 from pearlbvp.units import Sentence
 
-FORMATS = {".vtu": "vtu", ".ply": "ply", ".obj": "obj"}
+FORMATS = {".vtu": "vtu", ".ply": "ply", ".obj": "obj", ".fe": "fe"}
 """Endings of the formats that are written."""
 
 READERS: dict[str, Callable[[bytes], Soup]] = {
@@ -57,7 +58,7 @@ def writable_mesh(name: str, path: str | os.PathLike[str]) -> Path:
 
     Args:
         name: the argument's name, for the message.
-        path: ending in ``.vtu``, ``.ply`` or ``.obj``.
+        path: ending in ``.vtu``, ``.ply``, ``.obj`` or ``.fe``.
 
     Raises:
         InputError: another ending, or a place that cannot be written to.
@@ -72,14 +73,16 @@ def write_mesh(
     path: str | os.PathLike[str],
     data: Mapping[str, Array] | None = None,
     *,
+    c0: float = 0.0,
     name: str = "out",
 ) -> None:
-    """Write one period of a mesh; corners in the next period get vertices of their own.
+    """Write one period of a mesh; corners in the next period get vertices of their own, but in Surface Evolver's files.
 
     Args:
         mesh: its vertices on the surface.
-        path: ending in ``.vtu``, ``.ply`` or ``.obj``.
+        path: ending in ``.vtu``, ``.ply``, ``.obj`` or ``.fe``.
         data: values at the vertices by name, shape (V,); only VTU and PLY keep them.
+        c0: spontaneous curvature of the energy that Surface Evolver's files have, by the unit of the mesh.
         name: the argument's name, for the message.
 
     Raises:
@@ -87,6 +90,10 @@ def write_mesh(
     """
     path = writable(name, path, locked=True)
     kind = _format(name, path)
+    if kind == "fe":
+        text = evolver_text(mesh, c0)
+        write_whole(name, path, lambda temporary: temporary.write_text(text))
+        return
     mesh = mesh.reduced()
     pairs, corners = np.unique(
         np.column_stack((mesh.triangles.ravel(), mesh.wraps.ravel())), axis=0, return_inverse=True

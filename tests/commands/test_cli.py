@@ -203,7 +203,7 @@ def test_a_disk_that_fills_loses_only_what_does_not_fit(tmp_path):
     assert "Traceback" not in done.stderr
     assert os.listdir(tmp_path) == ["t.csv"]
     assert pd.read_csv(tmp_path / "t.csv").v.iloc[-1] == pytest.approx(1.01)
-    for ending in ("vtu", "ply", "obj"):
+    for ending in ("vtu", "ply", "obj", "fe"):
         done = limited(4, "mesh", "--length", 10, "--nodes", 500, "--out", tmp_path / f"m.{ending}")
         assert (done.returncode, len(done.stdout.splitlines())) == (2, 2), done.stderr
         assert "pearlbvp: --out: " in done.stderr
@@ -340,12 +340,12 @@ def test_no_output_overwrites_another_or_the_branch_it_starts_from(capsys, tmp_p
         ),
         (
             ["show", "f.h5", "--surface", "{}"],
-            "has no ending that names its format; give one of .csv, .obj, .ply, .vtu",
+            "has no ending that names its format; give one of .csv, .obj, .ply, .vtu, .fe",
         ),
         (["show", "f.h5", "--profile", "{}"], "has no ending that names its format; give one of .csv"),
         (
             ["mesh", "--length", "10", "--out", "{}"],
-            "has none of the endings .vtu, .ply, .obj; choose one of these formats",
+            "has none of the endings .vtu, .ply, .obj, .fe; choose one of these formats",
         ),
     ],
 )
