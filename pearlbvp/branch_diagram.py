@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from pearlbvp.branches import Branch, Until
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, known_tube
+from pearlbvp.progress import progress
 from pearlbvp.studies import diagram as study
 from pearlbvp.units import RADII, Units
 
@@ -52,7 +53,8 @@ def diagram(
         processes: how many to work in; 0 for one a core.
 
     Returns:
-        Branches by name (``branches``), and why others were not followed (``skipped``); ``table()`` and ``plot()``.
+        Branches by name (``branches``), and why others were not followed (``skipped``); ``table()`` and ``plot()``. Where it is
+        interrupted, what there is, and ``complete`` is false.
 
     Raises:
         InputError: an argument that cannot be used.
@@ -64,6 +66,12 @@ def diagram(
 
     options = None if until is None else branch_options(until)
     known_tube(tube)
-    found = study.diagram(tube.c0, tube.length, depth, options, modes=modes, processes=processes)
+    with progress("branch") as bar:
+
+        def follow(name: str) -> None:
+            bar.set_description(name, refresh=False)
+            bar.update()
+
+        found = study.diagram(tube.c0, tube.length, depth, options, follow, modes=modes, processes=processes)
     carried = {field.name: getattr(found, field.name) for field in fields(found)}
     return Diagram(**carried | {"branches": {name: Branch.of(each) for name, each in found.branches.items()}})

@@ -303,6 +303,7 @@ def followed_by(follow: Any, until: Until | None, how: Mapping[str, Any]) -> Bra
     with progress("point") as bar:
 
         def count(so_far: core.Branch[Any]) -> None:
+            bar.set_postfix(v=f"{so_far.points[-1].observables.get('v', math.nan):.5f}", refresh=False)
             bar.update(len(so_far.points) - bar.n)
 
         return Branch.of(follow(branch_options(until, progress=count, **how)))

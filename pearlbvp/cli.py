@@ -9,6 +9,7 @@ import contextlib
 import importlib
 import logging
 import os
+import shlex
 import signal
 import sys
 from concurrent.futures.process import BrokenProcessPool
@@ -97,7 +98,9 @@ def _draw_on_our_own_terms() -> None:
 def _run(arguments: list[str] | None) -> int:
     """The command's exit status; what a user did wrong is said in one line."""
     try:
-        return int(cli.main(args=arguments, prog_name="pearlbvp", standalone_mode=False) or DONE)
+        words = sys.argv[1:] if arguments is None else [str(word) for word in arguments]
+        typed = shlex.join(["pearlbvp", *words])  # for the tables that it writes
+        return int(cli.main(args=words, prog_name="pearlbvp", standalone_mode=False, obj=typed) or DONE)
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message())
         return UNUSABLE

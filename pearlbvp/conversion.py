@@ -76,6 +76,12 @@ class Conversion:
         unit = "" if self.scale is None else self.scale.measure(self._resolved(dimension), self.second)[1]
         return f"{self.symbol(name)}[{unit}]" if unit else name
 
+    def _named(self, dimension: Dimension) -> str:
+        """The unit of a dimension, or what it is made of where units have no names."""
+        if self.scale is None:
+            return dimension.powers("U" if self.given else "R")
+        return self.scale.measure(self._resolved(dimension), self.second)[1] or "1"
+
     def symbol(self, name: str) -> str:
         """What a quantity is called: the spontaneous curvature is ``C0`` where it is that of ``(2H - C0)^2``."""
         return "C0" if name == "c0" and self.scale is not None and self.scale.spontaneous != 1 else name

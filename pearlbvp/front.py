@@ -12,10 +12,12 @@ from pearlbvp.continuation import branch as core
 from pearlbvp.continuation import solution as solutions
 from pearlbvp.held import Held
 from pearlbvp.helfrich import Tube, WaveNumbers, known_tube
+from pearlbvp.progress import SECONDS, progress
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from pearlbvp.flows.driver import FlowState
     from pearlbvp.flows.problem import Law
     from pearlbvp.flows.record import FlowResult
     from pearlbvp.studies.branch import Discretization
@@ -117,7 +119,14 @@ def flow(
         from pearlbvp.studies.mesh_flow import mesh_start
 
         begun = mesh_start(start, nodes, law=law)
-    return run(begun.problem, begun.perturbed(perturb, delta), FlowOptions(**how))
+    with progress("step") as bar:
+
+        def count(state: FlowState) -> None:
+            bar.set_postfix(t=f"{state.t:.5g}", refresh=False)
+            bar.update(len(state.record.rows["t"]) - bar.n)
+
+        shown: dict[str, Any] = {"checkpoint": count, "every": SECONDS}
+        return run(begun.problem, begun.perturbed(perturb, delta), FlowOptions(**shown | how))
 
 
 def dispersion(tube: Tube, max_m: int | None = None, max_n: int = 4) -> pd.DataFrame:

@@ -45,6 +45,16 @@ class Dimension(NamedTuple):
     energy: int = 0
     spontaneous: int = 0
 
+    def powers(self, length: str) -> str:
+        """A unit of it where units have no names: of ``length``, of ``2kappa`` and of the flow's time ``T``.
+
+        Examples:
+            >>> Dimension(-2, energy=1).powers("R"), Dimension().powers("R")
+            ('2kappa R^-2', '1')
+        """
+        factors = (("2kappa", self.energy), (length, self.length), ("T", self.time))
+        return " ".join(name if power == 1 else f"{name}^{power}" for name, power in factors if power) or "1"
+
 
 NUMBER, LENGTH, CURVATURE, AREA, VOLUME = Dimension(), Dimension(1), Dimension(-1), Dimension(2), Dimension(3)
 ENERGY, FORCE, TENSION, PRESSURE = (Dimension(length, energy=1) for length in (0, -1, -2, -3))

@@ -36,8 +36,8 @@ Parts = tuple[tuple[str, Mapping[str, Any]], ...]
 Surface = TypeVar("Surface")
 """A triangulated surface: a dataclass with ``vertices`` and ``length``."""
 
-HEADER = "units"
-"""Where a table keeps its columns' names with units, until it is written."""
+HEADER, UNITS = "header", "units"
+"""Where a table keeps its columns' names with units, and their units, until it is written."""
 
 
 @dataclass(frozen=True)
@@ -252,6 +252,7 @@ class Units(Conversion):
         found = table.assign(**{name: self._converted(pd.to_numeric(table[name]), known[name]) for name in moved})
         if "message" in table:
             found["message"] = table["message"].map(self.said)
+        found.attrs[UNITS] = {name: self._named(known[name]) for name in numbers}
         if self.scale is not None:
             found.attrs[HEADER] = {name: self._heading(name, known[name]) for name in numbers}
         return found

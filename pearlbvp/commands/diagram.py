@@ -184,6 +184,8 @@ def _computed(
             tube.c0, tube.length, depth, options, follow, modes=list(modes) or None, processes=processes or 0,
             fix=units.fix(fix, tube.length),
         )  # fmt: skip
+    if not found.complete:
+        say("interrupted: these are the branches that were followed before")
     for name, why in found.skipped.items():
         say(f"{name} was not followed: {words_of_this_command(why)}")
     for name, branch in found.branches.items():

@@ -11,6 +11,7 @@ import click
 
 from pearlbvp.commands.arguments import File
 from pearlbvp.commands.command import of_this_command
+from pearlbvp.commands.tables import write_table
 from pearlbvp.errors import InputError
 from pearlbvp.messages import drop, say, why_not_written
 from pearlbvp.scale import CONVENTIONS
@@ -34,7 +35,8 @@ def outputs(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--plot", type=File(), metavar="FILE.png",
                      help="Draw a picture (PNG, PDF, SVG, ... by the ending)."),
         click.option("--out", type=File(), metavar="FILE.csv",
-                     help="Write the table there instead of on standard output (-)."),
+                     help="Write the table there instead of on standard output (-): CSV, .parquet or .json, with units and "
+                     "meaning of its columns, of CSV in FILE.csv-metadata.json."),
     ):  # fmt: skip
         command = decorate(command)
     return command
@@ -56,30 +58,6 @@ def radius_option(command: Callable[..., Any]) -> Callable[..., Any]:
     ):  # fmt: skip
         command = decorate(command)
     return command
-
-
-def write_table(option: str, path: Path, table: pd.DataFrame) -> None:
-    """Write a table as CSV, beside its name and renamed; ``option`` is what an error names."""
-    from pearlbvp.files import write_whole
-
-    write_whole(option, path, lambda beside: headed(table).to_csv(beside, index=False, float_format="%.12g"))
-
-
-def write_frame(option: str, path: Path, table: pd.DataFrame) -> None:
-    """Write a table as CSV or, by the ending, as Parquet, beside its name and renamed.
-
-    Raises:
-        InputError: it cannot be written, or what Parquet needs is not installed.
-    """
-    from pearlbvp.files import write_whole
-
-    if path.suffix.lower() != ".parquet":
-        write_table(option, path, table)
-        return
-    try:
-        write_whole(option, path, lambda beside: headed(table).to_parquet(beside, index=False))
-    except ImportError:
-        raise InputError(option, "Parquet needs pyarrow", "install pearlbvp[parquet], or write .csv") from None
 
 
 def print_table(table: pd.DataFrame) -> None:

@@ -20,7 +20,7 @@ from pearlbvp.commands.output import (
     check_ending,
     print_table,
     radius_option,
-    write_frame,
+    write_table,
 )
 from pearlbvp.commands.units import enter_units
 from pearlbvp.errors import InputError
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pearlbvp.scans.store import Store
     from pearlbvp.units import Units
 
-TABLES = (".csv", ".parquet")
+TABLES = (".csv", ".parquet", ".json")
 
 
 class Words(Numbers):
@@ -272,7 +272,7 @@ def _written(
         return DONE
     table = units.columns(table_of(question, store, cases))
     if export is not None and str(export) != "-":
-        write_frame("--export", export, table[chosen])
+        write_table("--export", export, table[chosen])
     elif shown or export is not None:
         print_table(table[chosen])
     if plot is not None:

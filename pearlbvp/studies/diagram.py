@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from pearlbvp.continuation.branch import Branch, SpecialPoint
+from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
 from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.errors import InputError
 from pearlbvp.held import Held, known_held
@@ -17,6 +16,7 @@ from pearlbvp.helfrich import Tube, WaveNumbers, choice, finite, mode_list, whol
 from pearlbvp.studies.branch import branch_options, family_branch, known_options, shown
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.studies.onward import Centre, switched
+from pearlbvp.studies.parallel import in_processes
 from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
@@ -50,11 +50,13 @@ class Diagram:
             ``coil 1:1``, ``buckle 1:1`` are those of other families with their mode, ``ring 0:2/1`` what branches off there.
         skipped: branch points that were not followed, by name, and why.
         twins: of those the ones that lead to a branch again, shifted or mirrored: the name of that.
+        complete: whether it was not interrupted; else these are the branches that were followed before.
     """
 
     branches: dict[str, Branch[Any]]
     skipped: dict[str, str]
     twins: dict[str, str] = field(default_factory=dict)
+    complete: bool = True
 
     def __repr__(self) -> str:
         rows = [f"  {name}: {len(branch.points)} points, {branch.reason}" for name, branch in self.branches.items()]
@@ -138,7 +140,7 @@ def diagram(
 
     Returns:
         The branches. A branch point that was not located is skipped, and so is a branch that has been found before (it joins
-        the same two solutions).
+        the same two solutions). Where it is interrupted, those that there are.
 
     Raises:
         InputError: an argument that cannot be used.
@@ -155,12 +157,12 @@ def diagram(
         name: (_primary, (tube, family, mode, wanted[family], held)) for name, (family, mode) in primary.items()
     }
     branches: dict[str, Branch[Any]] = {}
-    skipped: dict[str, str] = {}
+    complete, skipped = True, dict[str, str]()
     twins: dict[str, str] = {}
     for _ in range(depth + 1):
         for name in tasks:
             progress(name)
-        found = dict(zip(tasks, _all_done(list(tasks.values()), processes), strict=True))
+        found = dict(zip(tasks, _done(list(tasks.values()), processes), strict=False))
         halves = {
             f"{name} {SHRINK}": (_secondary, (*tasks[name][1], False))
             for name, branch in found.items()
@@ -168,7 +170,8 @@ def diagram(
         }
         for name in halves:
             progress(name)
-        found |= dict(zip(halves, _all_done(list(halves.values()), processes), strict=True))
+        found |= dict(zip(halves, _done(list(halves.values()), processes), strict=False))
+        complete = not any(map(_interrupted, found.values())) and found.keys() == {*tasks, *halves}
         tasks = {}
         for name, branch in found.items():
             if isinstance(branch, str):
@@ -186,13 +189,15 @@ def diagram(
                     skipped[child] = why
                 else:
                     tasks[child] = _secondary, (branch, number, centre, kept)
+        if not complete:
+            break
     order = list(primary)
 
     def place(name: str) -> tuple[Any, ...]:
         first, *further = name.split("/")
         return order.index(first), *((int(part.split()[0]), part) for part in further)
 
-    return Diagram({name: branches[name] for name in sorted(branches, key=place)}, skipped, twins)
+    return Diagram({name: branches[name] for name in sorted(branches, key=place)}, skipped, twins, complete)
 
 
 def _by_family(options: Options) -> dict[str, BranchOptions]:
@@ -237,15 +242,24 @@ _Task = tuple[Callable[..., "Branch[Any] | str"], tuple[Any, ...]]
 """A function and what it is called with."""
 
 
-def _all_done(tasks: Sequence[_Task], processes: int) -> Sequence[Branch[Any] | str]:
-    """Branches, or why there are none; where a process is killed, for want of memory say, all are followed in this one."""
-    if processes != 1 and len(tasks) > 1:
-        from joblib import Parallel, delayed, parallel_config  # a fifth of a second to import, and only this needs it
+def _done(tasks: Sequence[_Task], processes: int) -> Sequence[Branch[Any] | str]:
+    """Branches, or why there are none; the first of them only where it is interrupted."""
+    done: list[Branch[Any] | str] = []
+    with suppress(KeyboardInterrupt):
+        for found in in_processes(_follow, tasks, processes or None, fewest=2, batch=1):
+            done.append(found)
+            if _interrupted(found):
+                break
+    return done
 
-        with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1), suppress(BrokenProcessPool):
-            done: list[Branch[Any] | str] = Parallel()(delayed(function)(*arguments) for function, arguments in tasks)
-            return done
-    return [function(*arguments) for function, arguments in tasks]
+
+def _follow(task: _Task) -> Branch[Any] | str:
+    function, arguments = task
+    return function(*arguments)
+
+
+def _interrupted(found: Branch[Any] | str) -> bool:
+    return isinstance(found, Branch) and found.status is Status.INTERRUPTED
 
 
 def _primary(tube: Tube, family: str, mode: WaveNumbers, options: BranchOptions, held: Held) -> Branch[Any] | str:

@@ -162,6 +162,8 @@ def phases(
     chosen = default_modes(tube, low < 1, high > 1) if modes is None else modes
     found = diagram(tube.c0, tube.length, depth, _options(low, high), progress, modes=chosen, processes=processes,
                     refused=partial(_too_unstable, unstable))  # fmt: skip
+    if not found.complete:
+        raise KeyboardInterrupt
     if not found.branches:
         raise InputError("modes", "no branch could be followed", "choose other modes, or another length")
     starts, seed = whole("starts", starts, 0), whole("seed", seed, 0)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pearlbvp.continuation.branch import Status
 from pearlbvp.errors import InputError
 from pearlbvp.studies.branch import branch_options
 from pearlbvp.studies.diagram import diagram
@@ -52,3 +53,21 @@ def test_what_leaves_rings_is_followed():
 def test_depth_is_a_whole_number(depth):
     with pytest.raises(InputError, match="^depth: "):
         diagram(0.48, 15, depth)
+
+
+def test_an_interrupted_diagram_keeps_the_branches_before_and_ends():
+    """One branch is whole, the next is cut, the third is not begun."""
+
+    def interrupt(branch):
+        if branch.points[-1].observables["v"] < 0.995:
+            raise KeyboardInterrupt
+
+    options = branch_options({"v": 1.01}, max_points=40, progress=interrupt)
+    down = branch_options({"v": 0.98}, max_points=40, progress=interrupt)
+    found = diagram(0.48, 15, 1, {"pearl": options, "coil": down, "buckle": down}, modes=[(2, 0), (1, 1)])
+    assert not found.complete
+    assert list(found.branches) == ["2", "coil 1:1"]
+    assert found.branches["2"].complete
+    assert found.branches["coil 1:1"].status is Status.INTERRUPTED
+    assert len(found.branches["coil 1:1"].points) > 1
+    assert found.branches["coil 1:1"].points[-1].observables["v"] < 1
