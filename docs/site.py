@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import chapters
 import gallery
 from math_core import LatexError, LatexToMathML
 from mkdocs.config.defaults import MkDocsConfig
@@ -21,13 +22,16 @@ from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[1]
 OUTSIDE = {"README.md": "overview.md", "CHANGELOG.md": "changes.md"}
+NOTEBOOK = re.compile(r"\]\(\.\./notebooks/(\w+)\.ipynb")
 REFERENCE = "reference/"
 CODE = re.compile(r"<(pre|code)\b.*?</\1>", re.DOTALL)
 ARITHMATEX = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the README, the changes, pictures, the explorer, a page of docstrings for every ``reference/MODULE.md`` there is.
+    """Add the README, the changes, pictures, the explorer, the notebooks, and pages of docstrings.
+
+    There is one of docstrings for every ``reference/MODULE.md`` in the navigation.
 
     Raises:
         PluginError: an example of the gallery failed; the build ends there.
@@ -37,6 +41,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     files.append(File.generated(config, "assets/explorer.html", content=_explorer()))
     for name, path in _pictures():
         files.append(File.generated(config, gallery.SHOWN.format(name), abs_src_path=path))
+    for uri, content in chapters.pages():
+        files.append(File.generated(config, uri, content=content))
     for uri in _pages(config.nav):
         if uri.startswith(REFERENCE):
             module = uri.removeprefix(REFERENCE).removesuffix(".md")
@@ -71,6 +77,9 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
         return gallery.with_pictures(markdown)
     if page.file.src_uri in OUTSIDE.values():
         return markdown.replace("](docs/", "](")
+    if page.file.src_uri.startswith("chapters/"):
+        return markdown.replace("](../docs/", "](../")
+    markdown = NOTEBOOK.sub("](" + chapters.PAGE.format(r"\1"), markdown)
     for name, uri in OUTSIDE.items():
         markdown = re.sub(rf"\]\(\.\./{re.escape(name)}(?=[#)])", f"]({uri}", markdown)
     return markdown

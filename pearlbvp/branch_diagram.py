@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pearlbvp.branches import Branch, Until
+from pearlbvp.continuation import branch as core
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, WaveNumbers, known_tube
 from pearlbvp.progress import progress
 from pearlbvp.studies import diagram as study
+from pearlbvp.studies.branch import branch_options, known_branch
 from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
@@ -36,17 +38,17 @@ class Diagram(study.Diagram):
 
 
 def diagram(
-    tube: Tube,
+    tube: Tube | Mapping[str, core.Branch[Any]],
     depth: int = 1,
     *,
     modes: Iterable[WaveNumbers] | None = None,
     until: Until | None = None,
     processes: int = 0,
 ) -> Diagram:
-    """All branches from the straight tube, and from their branch points on, to a depth.
+    """All branches from the straight tube, and from their branch points on, to a depth; or branches that there are, together.
 
     Args:
-        tube: the straight tube.
+        tube: the straight tube; or branches by name, of which nothing is computed and the other arguments say nothing.
         depth: 0 for branches from the straight tube only, 1 for those that cross them, too, and so on.
         modes: follow every family of these; by default all pearls of ``k < 1``.
         until: where every branch stops.
@@ -60,10 +62,13 @@ def diagram(
         InputError: an argument that cannot be used.
 
     Example:
-        ``pb.diagram(pb.Tube(c0=0.48, L=15), until={"v": 1.05}).plot("v", "lambda2")``
+        ``pb.diagram(pb.Tube(c0=0.48, L=15), until={"v": 1.05}).plot("v", "lambda2")``, or
+        ``pb.diagram({"pearls": pearls, "coils": coils}).plot()``
     """
-    from pearlbvp.studies.branch import branch_options
-
+    if isinstance(tube, Mapping):
+        if not tube:
+            raise InputError("tube: there are no branches in it; give some by name, or a tube")
+        return Diagram({str(name): Branch.of(known_branch(each)) for name, each in tube.items()}, {})
     options = None if until is None else branch_options(until)
     known_tube(tube)
     with progress("branch") as bar:

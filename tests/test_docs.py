@@ -135,6 +135,32 @@ def test_a_block_of_the_gallery_that_makes_no_picture_or_fails_is_refused(monkey
     assert not list(tmp_path.iterdir())
 
 
+def test_a_notebook_becomes_a_page_with_its_code_pictures_and_tables(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    import chapters
+    from nbformat import v4
+
+    table = '<div>\n<style scoped>\n  .dataframe {}\n</style>\n<table border="1" class="dataframe">\n\n<tr><td>7</td></tr></table></div>'
+    outputs = [
+        v4.new_output("stream", name="stderr", text="a bar"),
+        v4.new_output("stream", name="stdout", text="printed\n"),
+        v4.new_output("execute_result", data={"text/html": table, "text/plain": "7"}),
+        v4.new_output("display_data", data={"image/png": "UE5H", "text/plain": "<Figure>"}),
+    ]
+    cells = [v4.new_markdown_cell("# A question\n\nWhy?"), v4.new_code_cell("answer()", outputs=outputs)]
+    (place, picture), (uri, page) = chapters.page("why", v4.new_notebook(cells=cells))
+    assert (place, picture, uri) == ("assets/chapters/why-1.png", b"PNG", "chapters/why.md")
+    shown = ["# A question\n\nWhy?", "```python\nanswer()\n```", "```text\nprinted\n```",
+             "<div>\n<table>\n<tr><td>7</td></tr></table></div>", "![A question](../assets/chapters/why-1.png)"]  # fmt: skip
+    assert page == "\n\n".join(shown) + "\n"
+
+
+def test_every_notebook_is_a_chapter():
+    names = {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")}
+    assert names == set(re.findall(r"chapters/(\w+)\.md", (ROOT / "mkdocs.yml").read_text()))
+    assert names == set(re.findall(r"\(\.\./notebooks/(\w+)\.ipynb\)", (ROOT / "docs/index.md").read_text()))
+
+
 def test_the_readme_is_short():
     assert len((ROOT / "README.md").read_text().splitlines()) <= 100
 

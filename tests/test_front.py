@@ -67,6 +67,17 @@ def test_a_pushed_pearl_flows_and_rests(pearls):
         assert result.status == "steady"
 
 
+def test_branches_that_there_are_are_drawn_together(pearls):
+    localized = pearls.switch(1, until={"v": 1.01})
+    found = pb.diagram({"two": pearls, "one": localized})
+    assert list(found.branches) == ["two", "one"]
+    assert len(found.table()) == len(pearls) + len(localized)
+    assert found.branches["one"][-1].observables == localized[-1].observables
+    assert len(found.plot("v", "lambda2").axes[0].get_legend().get_texts()) == 2
+    with pytest.raises(pb.InputError, match="tube: there are no branches in it"):
+        pb.diagram({})
+
+
 def test_a_diagram_draws_any_two_columns():
     found = pb.diagram(pb.Tube(c0=0.48, L=15), 0, until={"v": 1.01}, processes=1)
     axes = found.plot("v", "lambda2").axes[0]

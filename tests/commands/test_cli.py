@@ -39,7 +39,7 @@ def test_localized_writes_the_contract_s_columns(capsys, tmp_path):
     assert abs(table.v - table.v_corrected).max() < 5.01e-6
     assert "1.00811073653" in csv.read_text()  # twelve significant digits
     assert is_png(png)
-    assert sorted(os.listdir(tmp_path)) == ["t.csv", "t.png"]
+    assert sorted(os.listdir(tmp_path)) == ["t.csv", "t.csv-metadata.json", "t.png"]
 
 
 def test_period(capsys, tmp_path):
@@ -201,14 +201,14 @@ def test_a_disk_that_fills_loses_only_what_does_not_fit(tmp_path):
     assert "--save: " in said[0]
     assert "--plot: " in said[0]
     assert "Traceback" not in done.stderr
-    assert os.listdir(tmp_path) == ["t.csv"]
+    assert sorted(os.listdir(tmp_path)) == ["t.csv", "t.csv-metadata.json"]
     assert pd.read_csv(tmp_path / "t.csv").v.iloc[-1] == pytest.approx(1.01)
     for ending in ("vtu", "ply", "obj", "fe"):
         done = limited(4, "mesh", "--length", 10, "--nodes", 500, "--out", tmp_path / f"m.{ending}")
         assert (done.returncode, len(done.stdout.splitlines())) == (2, 2), done.stderr
         assert "pearlbvp: --out: " in done.stderr
         assert "Traceback" not in done.stderr
-    assert os.listdir(tmp_path) == ["t.csv"]
+    assert sorted(os.listdir(tmp_path)) == ["t.csv", "t.csv-metadata.json"]
 
 
 def test_the_table_of_a_run_whose_checkpoints_fail_is_written(tmp_path, capsys, monkeypatch):

@@ -83,7 +83,10 @@ def test_the_command_writes_panels_samples_and_printed_numbers(tmp_path, capsys)
     assert status == 0
     assert "printed numbers" in err
     written = {path.name for path in (tmp_path / "new").iterdir()}
-    assert written == {
+    assert {name for name in written if name.endswith(".json")} == {
+        f"{name}-metadata.json" for name in written if name.endswith(".csv")
+    }
+    assert {name for name in written if not name.endswith(".json")} == {
         "c05f1l_a1.csv",
         "c05f1l_a1.png",
         "c05f1l_b.csv",
