@@ -67,7 +67,7 @@ def diagram(
     """
     if isinstance(tube, Mapping):
         if not tube:
-            raise InputError("tube: there are no branches in it; give some by name, or a tube")
+            raise InputError("tube", "there are no branches in it", "give some by name, or a tube")
         return Diagram({str(name): Branch.of(known_branch(each)) for name, each in tube.items()}, {})
     options = None if until is None else branch_options(until)
     known_tube(tube)

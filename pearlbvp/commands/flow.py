@@ -192,7 +192,7 @@ def flow(
     table = result.state.columns(units)
     end = cache(lambda: _end(result, save_end, units))  # which takes a while: after the table is written
 
-    def write_tables(path: Path) -> None:
+    def write_frames(path: Path) -> None:
         from pearlbvp.figures.flow import write_movie
 
         write_movie(result.state, path, units=units)
@@ -208,7 +208,7 @@ def flow(
     if save_end is not None:
         others.append(lambda: None if end()[0] is None else saved.save(end()[0], save_end, "--save-end", units))
     if movie is not None:
-        others.append(lambda: write_whole("--movie", movie, write_tables))
+        others.append(lambda: write_whole("--movie", movie, write_frames))
     write(table, out, plot, draw, others)
     advice = f"; {result.advice}" if result.advice else ""
     say(f"{result.status}: {words_of_this_command(units.said(result.reason) + advice)}")
