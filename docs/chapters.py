@@ -103,7 +103,9 @@ def page(name: str, notebook: Any) -> Iterator[tuple[str, str | bytes]]:
                 yield place, base64.b64decode(data["image/png"])
                 parts.append(f"![{heading}](../{place})")
             elif "text/html" in data:
-                table = ATTRIBUTES.sub("", STYLES.sub("", data["text/html"]))
+                table = ATTRIBUTES.sub("", STYLES.sub("", data["text/html"])).replace(
+                    "<div>", '<div class="result">', 1
+                )
                 parts.append("\n".join(line for line in table.splitlines() if line.strip()))
             elif "text/plain" in data:
                 parts.append(f"```text\n{data['text/plain'].rstrip()}\n```")

@@ -23,6 +23,9 @@ from mkdocs.structure.pages import Page
 ROOT = Path(__file__).parents[1]
 OUTSIDE = {"README.md": "overview.md", "CHANGELOG.md": "changes.md"}
 NOTEBOOK = re.compile(r"\]\(\.\./notebooks/(\w+)\.ipynb")
+PAGE_NAMED = re.compile(r"\[[\w/]+\.md\]\(([\w./]+\.md)(#[\w-]+)?\)")
+"""A link that says the name of a file in the repository."""
+
 REFERENCE = "reference/"
 CODE = re.compile(r"<(pre|code)\b.*?</\1>", re.DOTALL)
 ARITHMATEX = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
@@ -73,6 +76,8 @@ def _explorer() -> str:
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     """Links between the repository's folders, as links between the site's pages; pictures below the gallery's examples."""
+    folder = ROOT if page.file.src_uri in OUTSIDE.values() else (ROOT / "docs" / page.file.src_uri).parent
+    markdown = PAGE_NAMED.sub(lambda link: f"[{_title(folder / link[1])}]({link[1]}{link[2] or ''})", markdown)
     if page.file.src_uri == gallery.PAGE.name:
         return gallery.with_pictures(markdown)
     if page.file.src_uri in OUTSIDE.values():
@@ -83,6 +88,11 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     for name, uri in OUTSIDE.items():
         markdown = re.sub(rf"\]\(\.\./{re.escape(name)}(?=[#)])", f"]({uri}", markdown)
     return markdown
+
+
+def _title(path: Path) -> str:
+    """What a page is called: its first heading."""
+    return path.read_text().partition("\n")[0].lstrip("# ")
 
 
 def on_page_content(content: str, page: Page, **_: Any) -> str:

@@ -151,7 +151,7 @@ def test_a_notebook_becomes_a_page_with_its_code_pictures_and_tables(monkeypatch
     (place, picture), (uri, page) = chapters.page("why", v4.new_notebook(cells=cells))
     assert (place, picture, uri) == ("assets/chapters/why-1.png", b"PNG", "chapters/why.md")
     shown = ["# A question\n\nWhy?", "```python\nanswer()\n```", "```text\nprinted\n```",
-             "<div>\n<table>\n<tr><td>7</td></tr></table></div>", "![A question](../assets/chapters/why-1.png)"]  # fmt: skip
+             '<div class="result">\n<table>\n<tr><td>7</td></tr></table></div>', "![A question](../assets/chapters/why-1.png)"]  # fmt: skip
     assert page == "\n\n".join(shown) + "\n"
 
 
