@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
+from pearlbvp.continuation.branch import Status
+from pearlbvp.helfrich import Tube
 from pearlbvp.mesh.crossing import crossing_triangles
 from pearlbvp.mesh.families import tube_mesh
+from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.theory.elastica import touching_ring
 
 LENGTH = 2 * np.pi
 
@@ -74,3 +78,10 @@ def test_every_pair_of_triangles_by_hand():
         assert (tuple(sorted(found)) in pairs) if pairs else found is None
         counts.append(bool(pairs))
     assert 2 < sum(counts) < 10
+
+
+def test_a_ring_on_a_mesh_ends_before_the_elastic_ring_touches_itself():
+    branch = family_branch(Tube(-1.0, 3.0), "ring", (0, 2), branch_options({"v": 0.2}), nodes=200)
+    assert branch.status is Status.CONTACT
+    assert -0.005 < branch.points[-1].value("v") - touching_ring(2).v < 0.03
+    assert crossing_triangles(branch.points[-1].problem.own_mesh(branch.points[-1].u)) is None
