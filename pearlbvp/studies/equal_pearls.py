@@ -1,30 +1,35 @@
 """All equal pearls of a period that are known how to reach, and the stretches of them on which one period is stable.
 
 The branch from the straight tube is followed through its folds up to the unduloid of the period, where multipliers pass
-through infinity, or to thin necks; likewise the branch that has the unduloid at its start, where that is another; and those
-on which random shapes come to rest that no branch leads to. Behind an unduloid, at large negative tension, short waves grow on
-every shape, and branches turn wherever one of them fits the period: nothing is followed there.
+through infinity, or to thin necks; likewise the branch that has the unduloid at its start, where that is another; those of
+thin necks at any ``c0``, which hardly depend on it; and those on which random and smooth shapes come to rest. Behind an
+unduloid, at large negative tension, short waves grow on every shape, and branches turn wherever one of them fits the period:
+nothing is followed there.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from pearlbvp.continuation.branch import Branch, SpecialPoint
 from pearlbvp.continuation.following import BranchOptions, continue_branch
+from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.solution import Solution
+from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube
+from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.unduloid import Unduloid, unduloid_of, unduloid_pearl
 from pearlbvp.studies.branch import branch_options, family_branch
-from pearlbvp.studies.shape import both_ways
 from pearlbvp.studies.starts import Start, at_rest, branch_of
 from pearlbvp.studies.stretches import NEAR, pieces
 from pearlbvp.studies.unduloids import beside
@@ -112,19 +117,66 @@ def equal_pearls(c0: float, period: float, *, starts: int = STARTS, seed: int = 
         InputError: an argument that cannot be used; no pearls of the period leave the straight tube.
     """
     tube, unduloid = Tube(c0, period), unduloid_of(period)
-    branches = [_onward(family_branch(tube, "pearl", (1, 0), _options(period, unduloid)), unduloid)]
+    options = replace(_options(period, unduloid, SHORT), until={"r_min": THIN, "lambda1": LARGE})
+    branches = [_onward(family_branch(tube, "pearl", (1, 0), options), unduloid)]
     if unduloid is not None and not comes_to_unduloid(branches[0]):
         shape = beside(tube, 1, unduloid, 1 / FAR)
         if shape is not None:
             away = shape if shape.slopes["lambda1"] < 0 else shape.turned()
-            branches.append(continue_branch(away, _options(period, unduloid, max_step=LONG)))
+            branches.append(continue_branch(away, _options(period, unduloid, LONG)))
     known = [piece for branch in branches for piece in pieces("known", branch)]
-    for shape in _downhill(tube, 1.0 if unduloid is None else unduloid.v, starts, seed):
+    v = 1.0 if unduloid is None else unduloid.v
+    for shape in (*_thin_necked(c0, period), *_downhill(tube, v, starts, seed)):
         if not branch_of(shape, known):
-            options = _options(period, unduloid, MOST_UNSTABLE)
-            branches.append(_onward(both_ways(shape.problem, shape.u, options, options), unduloid))
+            branches.append(_both_ways(shape, unduloid))
             known += pieces("known", branches[-1])
     return branches
+
+
+def _thin_necked(c0: float, period: float) -> Iterator[Solution[PearlProblem]]:
+    """Stable pearls of thin necks, which hardly depend on ``c0``: from those of one at which branches lead to them."""
+    known = _reference(period)
+    if known is None:
+        return
+    problem, u = known.problem, known.u
+    for value in np.linspace(REFERENCE, c0, 2 + int(abs(c0 - REFERENCE) / STEP)).tolist():
+        d = problem.discretization
+        parameters = d.parameters.copy()
+        parameters[d.problem.parameters.index("c0")] = value
+        problem = replace(problem, discretization=replace(d, parameters=parameters))
+        result, _ = correct_at(problem, u, NewtonOptions())
+        if not result.converged:
+            return
+        u = result.u
+    problem, (u,) = problem.plain(u)
+    upwards = np.zeros_like(u)
+    upwards[-1] = 1.0
+    with suppress(SpectrumError, np.linalg.LinAlgError):
+        shape = Solution.along(problem, u, tangent_along(problem, u, upwards)).computed()
+        if not shape.spectrum.n_unstable:
+            yield shape
+
+
+@cache
+def _reference(period: float) -> Solution[PearlProblem] | None:
+    """Pearls of thin necks, on the branch from the unduloid or, of long ones, from the straight tube."""
+    tube, unduloid = Tube(REFERENCE, period), unduloid_of(period)
+    options = replace(branch_options({"r_min": NARROW, "cmc": 1}, max_points=400, max_step=LONG), stability=False)
+    if unduloid is None:
+        branch = family_branch(tube, "pearl", (1, 0), options)
+    else:
+        shape = beside(tube, 1, unduloid, 1 / FAR)
+        if shape is None:
+            return None
+        branch = continue_branch(shape if shape.slopes["lambda1"] < 0 else shape.turned(), options)
+    return branch.points[-1] if abs(branch.points[-1].value("r_min") - NARROW) < NEAR else None
+
+
+REFERENCE, STEP = 0.48, 0.25
+"""Spontaneous curvature at which branches lead to thin necks, and largest steps from there."""
+
+NARROW = 0.06
+"""Radius of these necks."""
 
 
 def _downhill(tube: Tube, v: float, starts: int, seed: int) -> Iterator[Solution[PearlProblem]]:
@@ -153,18 +205,27 @@ def _downhill(tube: Tube, v: float, starts: int, seed: int) -> Iterator[Solution
             continue
 
 
-def _onward(branch: Branch[PearlProblem], unduloid: Unduloid | None) -> Branch[PearlProblem]:
-    """The branch, by longer steps beyond where its multipliers are large."""
+def _both_ways(shape: Solution[PearlProblem], unduloid: Unduloid | None) -> Branch[PearlProblem]:
+    """The branch through a shape."""
+    period = shape.value("L")
+    step = LONG if shape.value("lambda1") > LARGE else SHORT
+    options = replace(_options(period, unduloid, step, MOST_UNSTABLE), until={"r_min": THIN, "lambda1": LARGE})
+    backwards, onward = (
+        _onward(continue_branch(start, options), unduloid, MOST_UNSTABLE) for start in (shape.turned(), shape)
+    )
+    return backwards.reversed().extended(onward)
+
+
+def _onward(branch: Branch[PearlProblem], unduloid: Unduloid | None, most: float = math.inf) -> Branch[PearlProblem]:
+    """The branch beyond where its multipliers become large, by longer steps, or small, by shorter ones."""
     last = branch.points[-1]
     if not branch.complete or abs(last.value("lambda1") - LARGE) > NEAR:
         return branch
-    period = last.value("L")
-    return branch.extended(continue_branch(last, _options(period, unduloid, max_step=LONG)))
+    step = LONG if last.slopes["lambda1"] > 0 else SHORT
+    return branch.extended(continue_branch(last, _options(last.value("L"), unduloid, step, most)))
 
 
-def _options(
-    period: float, unduloid: Unduloid | None, most: float = math.inf, max_step: float = SHORT
-) -> BranchOptions:
+def _options(period: float, unduloid: Unduloid | None, max_step: float, most: float = math.inf) -> BranchOptions:
     """Where branches of equal pearls end."""
     far = FAR * max(1.0, 2 * math.pi / period) ** 2
 
@@ -174,8 +235,8 @@ def _options(
             return "unduloid"
         return "many waves grow" if point.spectrum.n_unstable > most else None
 
-    until = {"cmc": 1, "r_min": THIN, **({"lambda1": LARGE} if max_step == SHORT else {})}
-    return replace(branch_options(until, max_points=400, max_step=max_step), limit=limit)
+    options = branch_options({"cmc": 1, "r_min": THIN}, max_points=400, max_step=max_step)
+    return replace(options, limit=limit)
 
 
 def comes_to_unduloid(branch: Branch[PearlProblem]) -> bool:
@@ -192,13 +253,10 @@ def _is_beside(point: Solution[PearlProblem], unduloid: Unduloid | None) -> bool
 
 
 def _stable_equal(shape: Solution[PearlProblem] | str) -> Iterator[Solution[PearlProblem]]:
-    """What a shape came to, where that is stable and one pearl a period."""
-    if (
-        not isinstance(shape, str)
-        and not shape.spectrum.n_unstable
-        and shape.problem.cells == 1
-        and bellies(shape) == 1
-    ):
+    """What a shape came to, where that is stable, one pearl a period, and of no thinner neck than branches end at."""
+    if isinstance(shape, str) or shape.spectrum.n_unstable or shape.value("r_min") < THIN:
+        return
+    if shape.problem.cells == 1 and bellies(shape) == 1:
         yield shape
 
 
