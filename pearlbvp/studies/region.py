@@ -20,9 +20,10 @@ from pearlbvp.messages import say
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.shapes.pearl import PearlProblem
-from pearlbvp.studies.equal_pearls import STARTS, Stretch, bellies, comes_to_unduloid, equal_pearls, stable_alone
+from pearlbvp.studies.equal_pearls import STARTS, Stretch, comes_to_unduloid, equal_pearls, stable_alone
 from pearlbvp.studies.localized import COLUMNS as LOCALIZED
 from pearlbvp.studies.parallel import in_processes
+from pearlbvp.studies.pearl_starts import bellies
 from pearlbvp.studies.waves_on_periods import stable_by_number
 from pearlbvp.units import Sentence
 
