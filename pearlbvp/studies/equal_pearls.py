@@ -11,31 +11,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from pearlbvp.continuation.branch import Branch, SpecialPoint
 from pearlbvp.continuation.following import BranchOptions, continue_branch
-from pearlbvp.continuation.path import correct_at
 from pearlbvp.continuation.solution import Solution
-from pearlbvp.continuation.switching import tangent_along
-from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube
-from pearlbvp.newton import NewtonOptions
-from pearlbvp.shapes.graph import pearl_of_graph, relaxed
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.unduloid import Unduloid, unduloid_of, unduloid_pearl
 from pearlbvp.studies.branch import branch_options, family_branch
-from pearlbvp.studies.starts import Start, at_rest, branch_of
+from pearlbvp.studies.pearl_starts import FAR, LONG, SHORT, THIN, downhill, thin_necked
+from pearlbvp.studies.starts import branch_of
 from pearlbvp.studies.stretches import NEAR, pieces
 from pearlbvp.studies.unduloids import beside
-
-THIN = 0.03
-"""Radius of the neck at which branches end."""
 
 STARTS = 6
 """Random shapes of a period that are relaxed."""
@@ -43,27 +32,11 @@ STARTS = 6
 MOST_UNSTABLE = 6
 """Unstable directions at which a branch that is not the straight tube's ends: what is stable beyond has starts of its own."""
 
-SHORT, LONG = 0.5, 1e3
-"""Largest steps: where branches turn sharply, and where multipliers grow without bound, ``lambda1`` above ``LARGE``."""
-
-FAR = 1e3
-"""Tension, by the square of the wave number, beyond which a branch has come to an unduloid."""
-
 AROUND = 1e-2
 """Difference of the volumes of an unduloid and of pearls with large multipliers that belong to it."""
 
 LARGE = 12.0
 """Tension from which on multipliers are large, and pearls near an unduloid in volume may be those beside it."""
-
-BELOW = 0.1
-"""By how much the smallest volume of random shapes lies below those of the straight tube and the unduloid."""
-
-
-NEARER = 0.03
-"""By how much that of smooth pearls does."""
-
-SMOOTH = np.array([0.5, -0.05])
-"""Cosines of a pearl's radius to go downhill from."""
 
 
 class Limit(NamedTuple):
@@ -126,83 +99,11 @@ def equal_pearls(c0: float, period: float, *, starts: int = STARTS, seed: int = 
             branches.append(continue_branch(away, _options(period, unduloid, LONG)))
     known = [piece for branch in branches for piece in pieces("known", branch)]
     v = 1.0 if unduloid is None else unduloid.v
-    for shape in (*_thin_necked(c0, period), *_downhill(tube, v, starts, seed)):
+    for shape in (*thin_necked(c0, period), *downhill(tube, v, starts, seed)):
         if not branch_of(shape, known):
             branches.append(_both_ways(shape, unduloid))
             known += pieces("known", branches[-1])
     return branches
-
-
-def _thin_necked(c0: float, period: float) -> Iterator[Solution[PearlProblem]]:
-    """Stable pearls of thin necks, which hardly depend on ``c0``: from those of one at which branches lead to them."""
-    known = _reference(period)
-    if known is None:
-        return
-    problem, u = known.problem, known.u
-    for value in np.linspace(REFERENCE, c0, 2 + int(abs(c0 - REFERENCE) / STEP)).tolist():
-        d = problem.discretization
-        parameters = d.parameters.copy()
-        parameters[d.problem.parameters.index("c0")] = value
-        problem = replace(problem, discretization=replace(d, parameters=parameters))
-        result, _ = correct_at(problem, u, NewtonOptions())
-        if not result.converged:
-            return
-        u = result.u
-    problem, (u,) = problem.plain(u)
-    upwards = np.zeros_like(u)
-    upwards[-1] = 1.0
-    with suppress(SpectrumError, np.linalg.LinAlgError):
-        shape = Solution.along(problem, u, tangent_along(problem, u, upwards)).computed()
-        if not shape.spectrum.n_unstable:
-            yield shape
-
-
-@cache
-def _reference(period: float) -> Solution[PearlProblem] | None:
-    """Pearls of thin necks, on the branch from the unduloid or, of long ones, from the straight tube."""
-    tube, unduloid = Tube(REFERENCE, period), unduloid_of(period)
-    options = replace(branch_options({"r_min": NARROW, "cmc": 1}, max_points=400, max_step=LONG), stability=False)
-    if unduloid is None:
-        branch = family_branch(tube, "pearl", (1, 0), options)
-    else:
-        shape = beside(tube, 1, unduloid, 1 / FAR)
-        if shape is None:
-            return None
-        branch = continue_branch(shape if shape.slopes["lambda1"] < 0 else shape.turned(), options)
-    return branch.points[-1] if abs(branch.points[-1].value("r_min") - NARROW) < NEAR else None
-
-
-REFERENCE, STEP = 0.48, 0.25
-"""Spontaneous curvature at which branches lead to thin necks, and largest steps from there."""
-
-NARROW = 0.06
-"""Radius of these necks."""
-
-
-def _downhill(tube: Tube, v: float, starts: int, seed: int) -> Iterator[Solution[PearlProblem]]:
-    """Stable pearls downhill from smooth ones, which have others of less energy beside them, and from random shapes.
-
-    Args:
-        tube: one period.
-        v: volume of the straight tube, or of the unduloid.
-        starts: volumes from below that up to that of one sphere a period, the smooth pearls up to the middle of them.
-        seed: of the random shapes.
-    """
-    sphere = math.sqrt(2 * tube.length) / 3
-    low, high = min(v, sphere) - BELOW, max(1.0, v, sphere)
-    for i in range(starts):
-        share = (i + 0.5) / starts
-        yield from _stable_equal(at_rest(Start(tube, low + share * (high - low), (seed, i), True)))
-        smooth = v - NEARER + share * (max(v, (v + high) / 2) - v + NEARER)
-        try:
-            amplitudes, why = relaxed(tube, smooth, SMOOTH)
-            if why:
-                continue
-            problem, u, why = pearl_of_graph(tube, smooth, amplitudes)
-            if not why:
-                yield from _stable_equal(Solution(problem, u, u).computed())
-        except (SpectrumError, np.linalg.LinAlgError):
-            continue
 
 
 def _both_ways(shape: Solution[PearlProblem], unduloid: Unduloid | None) -> Branch[PearlProblem]:
@@ -250,20 +151,6 @@ def _is_beside(point: Solution[PearlProblem], unduloid: Unduloid | None) -> bool
         return False
     tension, apart = point.value("lambda1"), abs(point.value("r_min") - unduloid.r_min)
     return tension > LARGE and apart * tension < 2 * (1 + point.value("c0") ** 2)
-
-
-def _stable_equal(shape: Solution[PearlProblem] | str) -> Iterator[Solution[PearlProblem]]:
-    """What a shape came to, where that is stable, one pearl a period, and of no thinner neck than branches end at."""
-    if isinstance(shape, str) or shape.spectrum.n_unstable or shape.value("r_min") < THIN:
-        return
-    if shape.problem.cells == 1 and bellies(shape) == 1:
-        yield shape
-
-
-def bellies(point: Solution[PearlProblem]) -> int:
-    """Maxima of the radius of one period."""
-    r = point.problem.profile(point.u).outline()[1][:-1]
-    return int(((r > np.roll(r, 1)) & (r >= np.roll(r, -1))).sum())
 
 
 def stable_alone(branch: Branch[PearlProblem]) -> Iterator[Stretch]:

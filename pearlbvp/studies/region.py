@@ -20,9 +20,10 @@ from pearlbvp.messages import say
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.shapes.pearl import PearlProblem
-from pearlbvp.studies.equal_pearls import STARTS, Stretch, bellies, comes_to_unduloid, equal_pearls, stable_alone
+from pearlbvp.studies.equal_pearls import STARTS, Stretch, comes_to_unduloid, equal_pearls, stable_alone
 from pearlbvp.studies.localized import COLUMNS as LOCALIZED
 from pearlbvp.studies.parallel import in_processes
+from pearlbvp.studies.pearl_starts import bellies
 from pearlbvp.studies.waves_on_periods import stable_by_number
 from pearlbvp.units import Sentence
 
@@ -36,6 +37,9 @@ SHORTEST = 1e-10
 
 SAME = 1e-6
 """Difference of volumes and energies up to which intervals are one."""
+
+CUT = "not followed"
+"""What intervals end at where a branch could not be followed."""
 
 FAILED = "pearls could not be followed"
 
@@ -143,12 +147,17 @@ def _intervals(tube: Tube, counts: list[float], starts: int) -> tuple[dict[float
 
 
 def _distinct(intervals: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Intervals in order, each once."""
+    """Intervals in order, each once; of a branch that was followed to its end elsewhere no part of it."""
     found: list[dict[str, Any]] = []
     for one in sorted(filter(None, intervals), key=lambda values: (values["v_from"], values["v_to"])):
         if not found or any(abs(one[name] - found[-1][name]) > SAME for name in ("v_from", "v_to", "E")):
             found.append(one)
-    return found
+
+    def is_part(one: dict[str, Any], other: dict[str, Any]) -> bool:
+        within = other["v_from"] - SAME <= one["v_from"] and one["v_to"] <= other["v_to"] + SAME
+        return other is not one and within and CUT in (one["from_limit"], one["to_limit"])
+
+    return [one for one in found if not any(is_part(one, other) for other in found)]
 
 
 def _row(tube: Tube, pearls: float, values: Mapping[str, object]) -> dict[str, object]:
