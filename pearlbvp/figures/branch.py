@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.solution import Solution
-from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
+from pearlbvp.figures.canvas import COLOURS, dress, em, new_figure, note_unit, own_style
 from pearlbvp.figures.surface import place_surfaces, some_of
 from pearlbvp.studies.branch import curve
 from pearlbvp.studies.energies import Reference
@@ -45,7 +45,7 @@ def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, lab
     for kind, marker, face in (("bp", "o", "white"), ("fold", "x", None)):
         rows = table[table["special"].str.contains(kind)]
         if len(rows):
-            axes.plot(rows[x], rows[y], marker, color=colour, markerfacecolor=face or colour, markersize=5)
+            axes.plot(rows[x], rows[y], marker, color=colour, markerfacecolor=face or colour, markersize=5, mew=1)
 
 
 INFINITE = ("lambda1", "lambda2", "force")
@@ -79,23 +79,32 @@ def draw_shapes(axes: Axes, branch: Branch[Any], count: int = 4, units: Units = 
         label = f"point {index}: v = {point.observables['v']:.4f}"
         axes.text(x[-1] / 2, -(place + 0.48) * height, label, ha="center", va="center", fontsize="small")
     axes.set_yticks([])
-    return _to_scale(axes, -(len(chosen) - 0.3) * height)
+    return _to_scale(axes, -(len(chosen) - 0.3) * height, height)
 
 
-def _to_scale(axes: Axes, lowest: float) -> bool:
-    """One scale along and across, down to the lowest words, unless that would leave nothing to see; whether it is."""
+def _to_scale(axes: Axes, lowest: float, row: float = np.inf) -> bool:
+    """One scale along and across, down to the lowest words, unless that would leave nothing to see; whether it is.
+
+    Args:
+        axes: of the shapes.
+        lowest: where the words end.
+        row: height of one of several rows, each with words.
+    """
     (left, right), high = axes.get_xlim(), axes.get_ylim()[1]
     axes.set_ylim(lowest, high)
     place, (wide, tall) = axes.get_position(), axes.figure.get_size_inches()  # type: ignore[union-attr]
     sides = (place.width * wide, place.height * tall)
     scales = (right - left) / sides[0], (high - lowest) / sides[1]
-    if not 1 / STRETCHED < scales[0] / scales[1] < STRETCHED:
+    if not 1 / STRETCHED < scales[0] / scales[1] < STRETCHED or row / max(scales) < ROW * em():
         return False
     reach = [max(scales) * side / 2 for side in sides]
     middle = (left + right) / 2, (lowest + high) / 2
     axes.set(xlim=(middle[0] - reach[0], middle[0] + reach[0]), ylim=(middle[1] - reach[1], middle[1] + reach[1]))
     return True
 
+
+ROW = 3.0
+"""Height of a row with a shape and words, by the font's size."""
 
 SAMPLES = 200
 """Steps of a period of an outline."""

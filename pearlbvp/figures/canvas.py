@@ -20,6 +20,7 @@ from matplotlib import rc_context, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from numpy.typing import NDArray
 
 from pearlbvp.errors import InputError
@@ -120,8 +121,9 @@ def new_figure(
 
 
 def em() -> float:
-    """Size of the font in inches."""
-    return float(rcParams["font.size"]) / 72
+    """Size of the largest words on axes, in inches."""
+    sizes = (rcParams[name] for name in ("font.size", "axes.labelsize", "xtick.labelsize", "ytick.labelsize"))
+    return max(FontProperties(size=size).get_size_in_points() for size in sizes) / 72
 
 
 @own_style()
@@ -140,6 +142,13 @@ def dress(axes: Axes, xlabel: str, ylabel: str, title: str = "") -> None:
         axes.set_title(title)
     if axes.get_xscale() == "linear":
         axes.locator_params(axis="x", nbins=max(3, int(place.width * wide / (WIDEST_NUMBER * em()))))
+    low, high = axes.get_ylim()
+    if axes.get_yscale() == "linear" and 0 < high - low < NARROW * max(abs(low), abs(high)):
+        axes.ticklabel_format(axis="y", useOffset=True)  # else there is no room for the digits
+
+
+NARROW = 2e-3
+"""Range of a vertical axis, by its numbers, up to which these are written as differences."""
 
 
 def add_legend(axes: Axes, **options: Any) -> None:

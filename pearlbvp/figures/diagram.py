@@ -111,6 +111,9 @@ MOST_SHAPES = 8
 LARGEST = (1.9, 1.2)
 """Width and height of the largest shape, in inches."""
 
+SHARE = 0.32
+"""Size of the largest shape by that of the axes, at most."""
+
 FINENESS = 45
 """Cells an inch in which free places are sought."""
 
@@ -137,7 +140,8 @@ def _add_shapes(
         return
     surfaces = [coarse(shown(point)) for *_, point in chosen]
     boxes = np.array([box_of([surface]) for surface in surfaces])
-    scale = min(np.array(LARGEST) / (2 * boxes.max(axis=0)))
+    inches = np.array(axes.get_window_extent().size) / axes.figure.dpi
+    scale = min(np.minimum(LARGEST, SHARE * inches) / (2 * boxes.max(axis=0)))
     at = np.array([place for _, place, _ in chosen])
     found = _free(axes, at, 2 * scale * boxes)
     for _ in range(ATTEMPTS):
