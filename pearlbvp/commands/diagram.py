@@ -11,7 +11,15 @@ import click
 from pearlbvp.commands.arguments import File, ModeNumbers, Number, Until, wanted_places
 from pearlbvp.commands.command import Command, Option, words_of_this_command
 from pearlbvp.commands.following import fix_option
-from pearlbvp.commands.output import SOME_FAILED, check_distinct, check_outputs, outputs, radius_option, write
+from pearlbvp.commands.output import (
+    INTERRUPTED,
+    SOME_FAILED,
+    check_distinct,
+    check_outputs,
+    outputs,
+    radius_option,
+    write,
+)
 from pearlbvp.errors import InputError
 from pearlbvp.messages import say
 
@@ -97,10 +105,9 @@ def diagram(
     _check_columns(x, y)
     from pearlbvp.studies.diagram import together, tubes_apart
 
-    if files:
-        branches = _saved(files)
-    else:
-        branches = _computed(c0, length, depth, modes, until, processes, fix, units)  # type: ignore[arg-type]
+    branches, complete = _saved(files), True
+    if not files:
+        branches, complete = _computed(c0, length, depth, modes, until, processes, fix, units)  # type: ignore[arg-type]
     table = units.columns(together(branches))
     for option, name in (("--x", x), ("--y", y)):
         if name not in table:
@@ -114,6 +121,8 @@ def diagram(
     status = write(table, out, plot, draw)
     if apart := tubes_apart(table, units):
         say("the branches are of different tubes: " + "; ".join(f"{name}: {tube}" for name, tube in apart.items()))
+    if not complete:
+        return INTERRUPTED
     return status if files or not any(branch.failed for branch in branches.values()) else SOME_FAILED
 
 
@@ -161,8 +170,8 @@ def _computed(
     processes: int | None,
     fix: str,
     units: Units,
-) -> dict[str, Branch[Any]]:
-    """All branches of a tube to a depth.
+) -> tuple[dict[str, Branch[Any]], bool]:
+    """All branches of a tube to a depth, and whether they are all: else it was interrupted.
 
     Raises:
         InputError: an argument that cannot be used, or there are none.
@@ -185,6 +194,8 @@ def _computed(
             fix=units.fix(fix, tube.length),
         )  # fmt: skip
     if not found.complete:
+        if not found.branches:
+            raise KeyboardInterrupt
         say("interrupted: these are the branches that were followed before")
     for name, why in found.skipped.items():
         say(f"{name} was not followed: {words_of_this_command(why)}")
@@ -193,4 +204,4 @@ def _computed(
             say(f"{name} ends: {words_of_this_command(branch.reason)}")
     if not found.branches:
         raise InputError("--mode", "no branch could be followed", "choose other modes, or another length")
-    return found.branches
+    return found.branches, found.complete
