@@ -12,7 +12,15 @@ from pearlbvp.commands.arguments import File, ModeNumbers, Number, Until, wanted
 from pearlbvp.commands.command import Command, Option, words_of_this_command
 from pearlbvp.commands.drawing import drawing, reference_of, say_what_is_missing
 from pearlbvp.commands.following import fix_option
-from pearlbvp.commands.output import SOME_FAILED, check_distinct, check_outputs, outputs, radius_option, write
+from pearlbvp.commands.output import (
+    INTERRUPTED,
+    SOME_FAILED,
+    check_distinct,
+    check_outputs,
+    outputs,
+    radius_option,
+    write,
+)
 from pearlbvp.errors import InputError
 from pearlbvp.messages import say
 
@@ -104,10 +112,9 @@ def diagram(
         raise InputError("reference", "it is for energies", "leave it out, or draw --y E")
     from pearlbvp.studies.diagram import together, tubes_apart
 
-    if files:
-        branches = _saved(files)
-    else:
-        branches = _computed(c0, length, depth, modes, until, processes, fix, units)  # type: ignore[arg-type]
+    branches, complete = _saved(files), True
+    if not files:
+        branches, complete = _computed(c0, length, depth, modes, until, processes, fix, units)  # type: ignore[arg-type]
     energies, table = reference_of(reference, branches), units.columns(together(branches))
     for option, name in (("--x", x), ("--y", y)):
         if name not in table:
@@ -122,6 +129,8 @@ def diagram(
     status = write(table, out, plot, draw)
     if apart := tubes_apart(table, units):
         say("the branches are of different tubes: " + "; ".join(f"{name}: {tube}" for name, tube in apart.items()))
+    if not complete:
+        return INTERRUPTED
     return status if files or not any(branch.failed for branch in branches.values()) else SOME_FAILED
 
 
@@ -169,8 +178,8 @@ def _computed(
     processes: int | None,
     fix: str,
     units: Units,
-) -> dict[str, Branch[Any]]:
-    """All branches of a tube to a depth.
+) -> tuple[dict[str, Branch[Any]], bool]:
+    """All branches of a tube to a depth, and whether they are all: else it was interrupted.
 
     Raises:
         InputError: an argument that cannot be used, or there are none.
@@ -193,6 +202,8 @@ def _computed(
             fix=units.fix(fix, tube.length),
         )  # fmt: skip
     if not found.complete:
+        if not found.branches:
+            raise KeyboardInterrupt
         say("interrupted: these are the branches that were followed before")
     for name, why in found.skipped.items():
         say(f"{name} was not followed: {words_of_this_command(why)}")
@@ -201,4 +212,4 @@ def _computed(
             say(f"{name} ends: {words_of_this_command(branch.reason)}")
     if not found.branches:
         raise InputError("--mode", "no branch could be followed", "choose other modes, or another length")
-    return found.branches
+    return found.branches, found.complete
