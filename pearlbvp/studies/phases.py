@@ -200,7 +200,8 @@ def _searched(
     tube: Tube, branches: Mapping[str, Branch[Any]], volumes: tuple[float, float], ends: tuple[float, float],
     unstable: int, starts: int, seed: int, processes: int, progress: Callable[[str], None],
 ) -> Search:  # fmt: skip
-    """Pearls beside unduloids, and what random starts come to: stable shapes on no known branch are followed both ways."""
+    """Pearls beside unduloids, and what spheres and random starts come to: what is on no known branch is followed both ways."""
+    from pearlbvp.studies.spheres import strings_of_spheres
     from pearlbvp.studies.starts import search  # the flow's rooms, which nothing else here needs
     from pearlbvp.studies.unduloids import beside_unduloids
 
@@ -210,6 +211,7 @@ def _searched(
         return both_ways(shape.problem, shape.u, down, up)
 
     known = {**branches, **beside_unduloids(tube, branches, *volumes, unstable, follow)}
+    known |= strings_of_spheres(tube, known, *volumes, unstable, follow)
     return search(tube, known, volumes, starts, seed, follow, processes, progress)
 
 

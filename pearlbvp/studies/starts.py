@@ -79,7 +79,7 @@ def starts_within(tube: Tube, low: float, high: float, count: int, seed: int) ->
 def at_rest(start: Start) -> Solution[Any] | str:
     """Where a start comes to rest, with its stability, or why it does not."""
     try:
-        shape = _computed(*(_outline if start.axisymmetric else _tube)(start))
+        shape = computed(*(_outline if start.axisymmetric else _tube)(start))
         if not start.axisymmetric:
             shape = _lower(shape, start)
         return "it passes through itself" if shape.clearance < 0 else shape
@@ -133,7 +133,8 @@ def _tube(start: Start) -> tuple[Any, Any]:
         return _of_modes(finer, _minimum(least(finer, q)))
 
 
-def _computed(problem: Any, u: Any) -> Solution[Any]:
+def computed(problem: Any, u: Any) -> Solution[Any]:
+    """A shape with its stability, along growing volume."""
     upwards = np.zeros_like(u)
     upwards[-1] = 1.0
     return Solution.along(problem, u, tangent_along(problem, u, upwards)).computed()
@@ -152,7 +153,7 @@ def _lower(shape: Solution[Any], start: Start) -> Solution[Any]:
             assert isinstance(begun.problem, TubeFlow)
             landscape = TubeLandscape(begun.problem, start.v)
             found = _minimum(least(landscape, begun.perturbed("critical", PUSH), tolerance=ROUGH))
-            shape = _computed(*_of_modes(landscape, found))
+            shape = computed(*_of_modes(landscape, found))
         except (InputError, PathEnd, SpectrumError, np.linalg.LinAlgError):
             continue
     return shape

@@ -73,3 +73,25 @@ def test_steps_leave_a_saddle_and_end_at_a_minimum():
     circle = np.array([np.cos(angles), np.sin(angles)])
     energies = slopes @ circle + bends @ circle**2 / 2
     assert slopes @ found + bends @ found**2 / 2 == pytest.approx(energies.min(), abs=1e-7)
+
+
+@pytest.mark.parametrize(("half", "v"), [(5.0, 1.3), (7.5, 1.2), (1.6, 0.92)])
+def test_a_sphere_on_a_tether_has_its_area_and_volume(half, v):
+    """Length and area exactly, the volume as the smoothed neck allows: better on more waves. Its belly is the sphere's."""
+    errors = []
+    for waves in (64, 512):
+        outline = Outline(0.0, half, v, waves)
+        q = outline.sphere_on_tether()
+        length, area, volume = outline.constraints(q)
+        assert max(abs(length), abs(area)) < 1e-12
+        errors.append(abs(volume))
+    assert errors[1] < errors[0] / 3 < 0.01
+    r = outline.states(q, np.array([0.0, 1.0]))[:, 0]
+    neck = r[1]
+    rise = np.sqrt(r[0] ** 2 - neck**2)
+    assert r[0] * rise + neck * (half - rise) == pytest.approx(half, rel=2e-2)  # by the formulas of a sphere's cap
+    assert np.pi * r[0] ** 2 * rise - np.pi * rise**3 / 3 + np.pi * neck**2 * (half - rise) == pytest.approx(
+        np.pi * half * v, rel=2e-2
+    )
+    with pytest.raises(ValueError, match="no sphere"):
+        Outline(0.0, half, 2 / 3 * np.sqrt(half) * (1.01 if v > 1 else 0.99)).sphere_on_tether()

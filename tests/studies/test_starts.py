@@ -1,13 +1,20 @@
 """Random starts: they come to rest on branches that are followed otherwise, and lead to those that are not."""
 
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 
+from pearlbvp.continuation.following import continue_branch
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.phases import phases
+from pearlbvp.studies.spheres import strings_of_spheres
 from pearlbvp.studies.starts import Start, at_rest, starts_within
 from pearlbvp.theory.elastica import ring_at
+
+GRAPH = Path(__file__).parents[2] / "data" / "graph_c0_075.csv"
 
 
 def test_starts_come_to_rest_on_a_branch_that_was_followed():
@@ -71,3 +78,14 @@ def test_one_large_and_three_smaller_pearls_are_found_that_no_branch_leads_to():
     assert event.v == pytest.approx(0.974637, abs=1e-6)
     assert (event.other, event.critical) == ("", "n=0 j=0/1 even")
     assert found.shapes(1.0)[event.branch].problem.repeats == (1, 0)
+
+
+def test_a_sphere_on_a_tether_comes_to_the_pearls_that_leave_two_equal_ones():
+    """The paper's P, whose end at ``lambda1 = 30`` is known from two equal pearls of period 5, which it leaves (data)."""
+    known = pd.read_csv(GRAPH, comment="#").set_index("branch").loc["P"]
+    onwards = branch_options({"lambda1": 30.0}, max_step=20)
+    found = strings_of_spheres(Tube(0.75, 10), {}, 1.0, 1.3, 0, lambda shape: continue_branch(shape, onwards))
+    end = found["spheres 1"].points[-1]
+    assert end.spectrum.n_unstable == known.n_unstable == 0
+    assert end.value("v") == pytest.approx(known.v_to, abs=1e-7)
+    assert end.value("E") == pytest.approx(known.E_to, abs=1e-7)

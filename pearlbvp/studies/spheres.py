@@ -1,0 +1,58 @@
+"""Strings of equal spheres on tethers, known in closed form: a way to pearls of thin necks, which few random starts come to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from pearlbvp.continuation.branch import Branch
+from pearlbvp.continuation.path import PathEnd
+from pearlbvp.continuation.solution import Solution
+from pearlbvp.errors import SpectrumError
+from pearlbvp.helfrich import Tube
+from pearlbvp.minimum import least
+from pearlbvp.shapes.outline import Outline, pearl_of_outline
+from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.studies.starts import branch_of, computed
+from pearlbvp.studies.stretches import pieces
+
+HALF_WAY = 0.5
+"""From the straight tube's volume to that of spheres that fill the area: there necks are no thinner than need be."""
+
+
+def strings_of_spheres(
+    tube: Tube, branches: Mapping[str, Branch[PearlProblem]], low: float, high: float, unstable: int,
+    follow: Callable[[Solution[PearlProblem]], Branch[PearlProblem]],
+) -> dict[str, Branch[PearlProblem]]:  # fmt: skip
+    """Branches that strings of spheres come to downhill, by name: ``spheres 2`` of two of them.
+
+    Args:
+        tube: the straight tube. So many spheres of its area fit where it is longer than their diameters, two radii each.
+        branches: those that are known: shapes on them are left out.
+        low, high: range of volumes.
+        unstable: directions that are unstable at most on what is followed.
+        follow: makes of a shape the branch through it.
+    """
+    known = [piece for name, branch in branches.items() for piece in pieces(name, branch)]
+    found = {}
+    for count in range(1, math.ceil(tube.length / 2)):
+        v = 1 + HALF_WAY * (2 / 3 * math.sqrt(tube.length / (2 * count)) - 1)
+        shape = _string(tube, count, min(max(v, low), high))
+        if shape is not None and shape.spectrum.n_unstable <= unstable and not branch_of(shape, known):
+            found[f"spheres {count}"] = follow(shape)
+            known += pieces(f"spheres {count}", found[f"spheres {count}"])
+    return found
+
+
+def _string(tube: Tube, count: int, v: float) -> Solution[PearlProblem] | None:
+    """The pearls that so many spheres of a volume come to downhill, as equal ones; None if to none."""
+    half = tube.length / (2 * count)
+    outline = Outline(tube.c0, half, v, max(32, math.ceil(4.8 * half)))
+    try:
+        minimum = least(outline, outline.sphere_on_tether())
+        problem, u, why = pearl_of_outline(outline, minimum.q, minimum.multipliers, cells=count)
+        return None if minimum.reason or why else computed(problem, u)
+    except (ValueError, PathEnd, SpectrumError, np.linalg.LinAlgError):
+        return None
