@@ -22,9 +22,9 @@ from pearlbvp.collocation import Discretization, gauss_scheme
 from pearlbvp.collocation.mesh import equidistribute
 from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points
 from pearlbvp.newton import NewtonOptions, newton
-from pearlbvp.roots import root
 from pearlbvp.shapes.cells import HALF_CELL
 from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.shapes.sphere_on_tether import sphere_on_tether
 
 TRIALS, ROUGHNESS, STRAIGHTEST, NARROWEST = 64, (0.3, 4.0), 0.3, 0.05
 """Of random outlines: how many are tried, the sizes of the angle's waves, the least mean cosine and radius."""
@@ -196,44 +196,22 @@ class Outline:
         )
 
     def sphere_on_tether(self) -> Array:
-        """Coordinates of half a sphere at the first plane of reflection, and a tether to the other, of its area and volume.
+        """Coordinates of a sphere at the first plane of reflection, and a tether to the other (``shapes.sphere_on_tether``).
 
-        With the tether's radius ``a`` and length ``d``, ``R cos(alpha) = a`` and ``R sin(alpha) + d = l``, area and volume are
-        ``R^2 sin(alpha) + a d = l`` and ``R^3 (sin(alpha) - sin(alpha)^3/3) + a^2 d = v l``. The angle, which jumps at the
-        neck, is smoothed by Lanczos' factors.
+        The angle, which jumps at the neck, is smoothed by Lanczos' factors.
 
         Raises:
-            ValueError: there is none: ``v`` lies not between 1 and that of spheres that fill the area, ``2 sqrt(l)/3``.
+            ValueError: there is none of this volume.
         """
-        half = self.half
-
-        def sphere(a: float) -> tuple[float, float]:
-            """Radius of the sphere and its angle at the neck."""
-
-            def area(radius: float) -> float:
-                rise = math.sqrt(radius**2 - a**2)
-                return radius * rise + a * (half - rise) - half
-
-            radius = root(area, max(a, 1e-12), 2 * math.sqrt(half) + 1, 1e-13)
-            return radius, math.acos(min(a / radius, 1.0))
-
-        def excess(a: float) -> float:
-            radius, angle = sphere(a)
-            rise = math.sin(angle)
-            return radius**3 * (rise - rise**3 / 3) + a**2 * (half - radius * rise) - self.v * half
-
-        if excess(0.0) * excess(1.0) >= 0:
-            raise ValueError(f"v: no sphere on a tether has {self.v:g}")
-        neck = root(excess, 0.0, 1.0, 1e-10)
-        radius, angle = sphere(neck)
+        belly, angle = sphere_on_tether(self.half, self.v)
         sines, _, integral = _matrices(self.waves)
         points = len(sines)
-        arc = (np.arange(points) + 0.5) / points * (radius * angle + half - radius * math.sin(angle))
+        arc = (np.arange(points) + 0.5) / points * (belly * angle + self.half - belly * math.sin(angle))
         k = np.arange(1, self.waves + 1)
-        b = np.sinc(k / (self.waves + 1)) * (2 / points * np.where(arc < radius * angle, -arc / radius, 0.0) @ sines)
+        b = np.sinc(k / (self.waves + 1)) * (2 / points * np.where(arc < belly * angle, -arc / belly, 0.0) @ sines)
         psi = sines @ b
-        length = half / float(np.cos(psi).mean())
-        return np.concatenate((b, [half / length - (length * integral @ np.sin(psi)).mean(), length]))
+        length = self.half / float(np.cos(psi).mean())
+        return np.concatenate((b, [self.half / length - (length * integral @ np.sin(psi)).mean(), length]))
 
     def finer(self, q: Array) -> tuple[Outline, Array]:
         """The same on twice as many sines."""
