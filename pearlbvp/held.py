@@ -261,7 +261,7 @@ def known_held(what: str | Held) -> Held:
             raise InputError(
                 "fix",
                 f"{name} takes no number, as every shape of a branch has its own",
-                f"stop at the shape that has a given one, where until wants {column}={number}",
+                f"for the shape that has a given one stop there (until {column}={number})",
             )
     kept = {kind: named.get(kind, kind) == kind for kind in ("area", "volume", "length")}
     return Held(**kept, **values)  # type: ignore[arg-type]

@@ -12,7 +12,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch
@@ -134,5 +133,7 @@ def _monotone(ways: Array, values: Array) -> Array:
     slopes = np.full(len(values), np.nan)
     known = np.isfinite(values) & (np.diff(ways, prepend=-1.0) > 0)
     if known.sum() > 1:
+        from scipy.interpolate import PchipInterpolator  # a fifth of a second to import, and only pictures need it
+
         slopes[known] = PchipInterpolator(ways[known], values[known]).derivative()(ways[known])
     return slopes

@@ -33,8 +33,9 @@ def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, lab
         return
     stable = (table["n_unstable"] == 0).fillna(False).to_numpy(bool)
     stretches = stable[1:] & stable[:-1]
-    infinite = table["special"].str.contains("cmc").to_numpy(bool) if "special" in table else np.array(False)
-    xs, ys = (np.where(infinite & (name in INFINITE), np.nan, table[name].to_numpy(float)) for name in (x, y))
+    xs, ys = (
+        np.where(_beside_infinity(table) & (name in INFINITE), np.nan, table[name].to_numpy(float)) for name in (x, y)
+    )
     for wanted, style in ((True, "-"), (False, "--")):
         # A stretch between two rows is stable where neither of its ends is unstable.
         axes.plot(*_broken(xs, ys, stretches == wanted), style, color=colour)
@@ -50,6 +51,15 @@ def draw_curve(axes: Axes, table: pd.DataFrame, x: str, y: str, colour: str, lab
 
 INFINITE = ("lambda1", "lambda2", "force")
 """Columns that are infinite at a surface of constant mean curvature; a number that stands there is rounding."""
+
+
+def _beside_infinity(table: pd.DataFrame) -> np.ndarray:
+    """Which rows lie less than a point from one of constant mean curvature."""
+    if "special" not in table or "point" not in table:
+        return np.zeros(len(table), dtype=bool)
+    points = table["point"].to_numpy(float)
+    infinite = points[table["special"].str.contains("cmc").to_numpy(bool)]
+    return np.asarray((np.abs(points[:, None] - infinite) < 1).any(axis=1))
 
 
 def _broken(x: np.ndarray, y: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

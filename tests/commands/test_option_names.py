@@ -21,7 +21,7 @@ def test_arguments_are_options_by_their_first_word():
         ("mode", "--mode"),
         ("length", "--lengths"),
         ("--mode", "--mode"),
-        ("family", "family"),
+        ("family", "FAMILY"),
     ):
         assert option_of(argument, PARAMS) == typed
 

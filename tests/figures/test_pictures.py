@@ -63,7 +63,7 @@ def pictures(capsys, saved, folder):
     }.items():
         status, _, err = run(capsys, *arguments, "--plot", folder / name)
         assert status == 0, err
-    return {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.suffix != ".csv"}
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.suffix not in (".csv", ".json")}
 
 
 def words_of(figure):

@@ -123,7 +123,7 @@ def test_the_list_has_every_figure(capsys):
     [
         (["fig7", "--out", "p"], "the paper has no 'fig7'"),
         (["c00f"], "--out: it is missing"),
-        ([], "figure: it is missing"),
+        ([], "FIGURE|TABLE|all: it is missing"),
         (["all", "--out", "p", "--point", "A"], "--point: it is a sample of one figure"),
         (["stabfig", "--out", "p", "--point", "A"], "stabfig has no sample 'A'"),
     ],

@@ -57,7 +57,7 @@ def test_a_branch_is_asked_up_to_where_it_ends(tmp_path):
     volumes = [0.2, 0.3, 0.5]
     found = scan("branch", tmp_path / "s.sqlite", c0=0.0, L=10, family="ring", mode="0:2", v=volumes, workers=1)
     assert found["status"].tolist() == ["none_in_range", "found", "found"]
-    assert "the ring touches itself" in found["message"][0]
+    assert "the surface touches itself" in found["message"][0]
     for v, lambda2 in zip(volumes[1:], found["lambda2"][1:], strict=True):
         assert lambda2 == pytest.approx(ring_at(2, "v", v).lambda2, abs=1e-8)
 

@@ -281,7 +281,7 @@ def test_a_spectrum_that_fails_ends_the_branch_and_keeps_its_points(monkeypatch)
 
 @pytest.mark.parametrize(
     ("kind", "number", "vary", "name"),
-    [("bp", 9, "c0", "follow"), ("fold:v", 1, "c0", "follow"), ("bp", 1, "v", "vary")],
+    [("bp", 9, "c0", "number"), ("fold:v", 1, "c0", "number"), ("bp", 1, "v", "vary")],
 )
 def test_nothing_to_follow(four, kind, number, vary, name):
     with pytest.raises(InputError, match=f"^{name}: "):

@@ -60,7 +60,7 @@ def test_the_wanted_unduloid_is_reached_though_beyond_it_more_waves_grow_than_ar
     row = branch.table().iloc[-1]
     assert pd.isna(row.n_unstable)
     assert not branch.points[-1].spectrum.stable
-    axes = draw_branch(branch, branch.table()).axes[1]
+    axes = draw_branch(branch).axes[1]
     drawn = np.concatenate([line.get_ydata() for line in axes.lines])
     assert np.nanmax(np.abs(drawn)) < 1e5 < abs(row.lambda2)  # what is infinite is left out
 
