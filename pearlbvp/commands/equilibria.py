@@ -10,7 +10,7 @@ import click
 
 from pearlbvp.commands.arguments import File
 from pearlbvp.commands.command import Command
-from pearlbvp.commands.output import INTERRUPTED, check_distinct, check_outputs, outputs, write
+from pearlbvp.commands.output import INTERRUPTED, check_distinct, check_outputs, outputs, processes_option, write
 from pearlbvp.scale import CONVENTIONS
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @click.argument("cases", type=File(), metavar="CASES.csv")
 @click.option("--convention", type=click.Choice(list(CONVENTIONS)), default="physicists", show_default=True,
               help="Of kappa: kappa/2 (2H - C0)^2, or kappa (H - c0)^2, where it is twice as large.")  # fmt: skip
-@click.option("--processes", type=click.IntRange(min=1), help="How many to use.  [default: one a core]")
+@processes_option
 @outputs
 def equilibria(cases: Path, convention: Convention, processes: int | None, out: Path | None, plot: Path | None) -> int:
     """Pearls of tubes in physical units, at a given tension and with solute in them.

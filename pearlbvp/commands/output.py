@@ -36,6 +36,11 @@ style_option = click.option(
 )  # fmt: skip
 
 
+processes_option = click.option(
+    "--processes", type=click.IntRange(min=1), help="How many to use.  [default: one a core]"
+)
+
+
 def outputs(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that all commands with a table share."""
     for decorate in (

@@ -9,7 +9,7 @@ import click
 
 from pearlbvp.commands.arguments import Number, Numbers
 from pearlbvp.commands.command import Command
-from pearlbvp.commands.output import INTERRUPTED, check_outputs, outputs, radius_option, write
+from pearlbvp.commands.output import INTERRUPTED, check_outputs, outputs, processes_option, radius_option, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,9 +23,7 @@ if TYPE_CHECKING:
 @click.option(
     "--volume", type=Number(), help="Find the number of equal pearls of least energy at this reduced volume, too."
 )
-@click.option(
-    "--processes", type=click.IntRange(min=1), help="How many to use, over several c0.  [default: one a core]"
-)
+@processes_option
 @outputs
 @radius_option
 def period(

@@ -9,7 +9,15 @@ import click
 
 from pearlbvp.commands.arguments import File, ModeNumbers, Number, Numbers
 from pearlbvp.commands.command import Command, Option, words_of_this_command
-from pearlbvp.commands.output import check_distinct, check_outputs, outputs, radius_option, write, write_table
+from pearlbvp.commands.output import (
+    check_distinct,
+    check_outputs,
+    outputs,
+    processes_option,
+    radius_option,
+    write,
+    write_table,
+)
 from pearlbvp.errors import InputError
 from pearlbvp.messages import counted, say
 
@@ -60,7 +68,7 @@ MOST_NAMED = 6
     "--seed", type=click.IntRange(min=0), default=0, show_default=True,
     help="Of the random shapes: the same, the same shapes.",
 )  # fmt: skip
-@click.option("--processes", type=click.IntRange(min=1), help="How many.  [default: one a core]")
+@processes_option
 @click.option(
     "--transitions", type=File(), metavar="FILE.csv",
     help="Write where the least shape changes, and where shapes gain or lose stability.",

@@ -9,7 +9,7 @@ import click
 
 from pearlbvp.commands.arguments import Numbers
 from pearlbvp.commands.command import Command
-from pearlbvp.commands.output import check_outputs, outputs, radius_option, write
+from pearlbvp.commands.output import check_outputs, outputs, processes_option, radius_option, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     "--starts", type=click.IntRange(min=0), default=6, show_default=True,
     help="Relax so many random shapes of each period, to find pearls that no branch from the straight tube leads to.",
 )  # fmt: skip
-@click.option("--processes", type=click.IntRange(min=1), help="How many.  [default: one a core]")
+@processes_option
 @outputs
 @radius_option
 def region(

@@ -292,7 +292,7 @@ def localized_pearls(c0: float, period: float, lengths: float | str | Iterable[f
 def localized_rows(c0: float, period: float, lengths: list[float]) -> list[dict[str, object]]:
     """The rows of ``localized_pearls``."""
     period = check_period(period)
-    tubes = [Tube(c0, length) for length in lengths]
+    tubes = [Tube(c0, positive("lengths", length)) for length in lengths]
     counts = [pearls_on(length, period) for length in lengths]
     intervals = stable_intervals(float(c0), np.array([tube.length for tube in tubes]))
     known = [at_onset(*case) for case in zip(intervals, counts, strict=True)]

@@ -100,6 +100,7 @@ GOOD = {
         ("localized", {"--lengths": ""}, "--lengths"),
         ("localized", {"--lengths": "15,x"}, "--lengths"),
         ("localized", {"--lengths": "16"}, "--lengths"),
+        ("localized", {"--lengths": "0"}, "--lengths"),
         ("localized", {"--period": "6.28"}, "--period"),
         ("localized", {"--period": "seven"}, "--period"),
         ("localized", {"--out": "no/such/folder/t.csv"}, "--out"),
