@@ -174,7 +174,7 @@ def test_unstable_at_onset_is_confirmed_by_bloch():
     ("arguments", "name"),
     [
         ((0.48, 7.5, [31]), "lengths: 31 radii is no multiple"),
-        ((0.48, 7.5, [-15]), "length: "),
+        ((0.48, 7.5, [-15]), "lengths: "),
         ((0.48, 7.5, [float("nan")]), "lengths: "),
         ((0.48, 7.5, []), "lengths: the list is empty"),
         ((0.48, 6.0, [12]), "period: .*2 pi"),
