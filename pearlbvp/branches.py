@@ -320,6 +320,7 @@ class Branch(core.Branch[Any]):
 
 def followed_by(follow: Any, until: Until | None, how: Mapping[str, Any]) -> Branch:
     """A branch, with signs of life on a terminal while it is followed."""
+    from pearlbvp.continuation.following import kept
     from pearlbvp.progress import progress
     from pearlbvp.studies.branch import branch_options
 
@@ -330,7 +331,7 @@ def followed_by(follow: Any, until: Until | None, how: Mapping[str, Any]) -> Bra
             bar.set_postfix(v=f"{so_far.points[-1].observables.get('v', math.nan):.5f}", refresh=False)
             bar.update(len(so_far.points) - bar.n)
 
-        return Branch.of(follow(branch_options(until, progress=count, **how)))
+        return Branch.of(kept(follow, branch_options(until, progress=count, **how)))
 
 
 def check_names(how: Mapping[str, Any], names: Iterable[str]) -> None:

@@ -28,6 +28,7 @@ from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
 
+from pearlbvp.errors import interrupted
 from pearlbvp.messages import say
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -77,7 +78,9 @@ class _Kept(NullCache):
                 raise ValueError("damaged")
             rtsys.initialize(target_context)
             return CompileResult._rebuild(target_context, *pickle.loads(content[DIGEST:]))
-        except Exception:  # whatever is wrong with it, it is made again
+        except Exception as error:  # whatever is wrong with it, it is made again
+            if interrupted(error):
+                raise
             announcement.damaged = True
             with contextlib.suppress(OSError):
                 file.unlink()

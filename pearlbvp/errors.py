@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import TracebackType
 
 
 class InputError(ValueError):
@@ -41,6 +42,28 @@ class InputError(ValueError):
 
 class SpectrumError(ArithmeticError):
     """The growth rates of a solution cannot be computed, or not well enough; the message says why and what to do."""
+
+
+class Interruption:
+    """``with`` it: an interruption by the user ends what is in it, and it is ``happened``; other errors go on.
+
+    Examples:
+        >>> stopped = Interruption()
+        >>> with stopped:
+        ...     raise KeyboardInterrupt
+        >>> stopped.happened
+        True
+    """
+
+    happened = False
+
+    def __enter__(self) -> Interruption:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: TracebackType | None) -> bool:
+        caught = isinstance(error, KeyboardInterrupt | SystemError) and interrupted(error)
+        self.happened |= caught
+        return caught
 
 
 def interrupted(error: BaseException | None) -> bool:

@@ -56,6 +56,8 @@ def phases(
 
     Returns:
         Tables (``table``, ``transitions``, ``ranges``), shapes (``shapes(v)``), a picture (``plot()``), and what they rest on.
+        Where it is interrupted, what follows from what was computed before: ``complete`` is false, ``lacking`` says what is not
+        there.
 
     Raises:
         InputError: an argument that cannot be used.

@@ -14,7 +14,7 @@ from pearlbvp.bvp.solve import BvpSolution
 from pearlbvp.collocation import Collocated, Discretization, equidistribute, error_estimate, intervals_for
 from pearlbvp.continuation.branch import SpecialPoint
 from pearlbvp.continuation.crossing import crossing_direction
-from pearlbvp.continuation.following import BranchOptions, continue_branch
+from pearlbvp.continuation.following import BranchOptions, continue_branch, kept
 from pearlbvp.continuation.path import PathEnd, PathOptions
 from pearlbvp.continuation.problem import Problem
 from pearlbvp.continuation.solution import Solution
@@ -228,7 +228,8 @@ def continue_bvp(
     else:
         sign = direction or math.copysign(1.0, options.until.get(vary, math.inf) - u[-1])
         tangent = _towards(problem, u, sign)
-    branch = continue_branch(Solution.along(problem, u, tangent), options, at_bifurcation=bool(singular))
+    start = Solution.along(problem, u, tangent)
+    branch = kept(lambda watched: continue_branch(start, watched, at_bifurcation=bool(singular)), options)
     points = branch.points
     return BvpBranch(
         [replace(p.problem.at(p.u), tangent=p.tangent) for p in points],

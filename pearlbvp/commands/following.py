@@ -121,6 +121,7 @@ class Following:
 
         wanted, reference = wanted_places(self.until, self.units), reference_of(self.reference)
         with progress("point") as bar:
+            from pearlbvp.continuation.following import kept
             from pearlbvp.studies.branch import branch_options
 
             checkpoint = _Checkpoint(self.save, self.units)
@@ -134,7 +135,7 @@ class Following:
                 bar.set_postfix_str(f"{done} of {of} special points located", refresh=False)
 
             steps = {"max_points": self.max_points, "step": self.step, "max_step": self.max_step}
-            found = follow(branch_options(wanted, progress=count, locating=locating, **steps))  # type: ignore[arg-type]
+            found = kept(follow, branch_options(wanted, progress=count, locating=locating, **steps))  # type: ignore[arg-type]
         return self._written(found, wanted, reference, other_way)
 
     def _written(

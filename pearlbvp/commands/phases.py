@@ -10,6 +10,7 @@ import click
 from pearlbvp.commands.arguments import File, ModeNumbers, Number, Numbers
 from pearlbvp.commands.command import Command, Option, words_of_this_command
 from pearlbvp.commands.output import (
+    INTERRUPTED,
     check_distinct,
     check_outputs,
     outputs,
@@ -110,6 +111,9 @@ def phases(
         raise InputError("--plot", "one volume makes no picture", "give several, like 0.9:1.1:0.01")
     check_distinct({"--out": out, "--plot": plot, "--transitions": transitions})
     found = _found(c0, length, volumes, depth, modes, unstable, flows, (starts, seed), processes, units)
+    if found.ranges.empty and plot is not None:
+        say("there is no picture: which shapes are the least was not computed")
+        plot = None
 
     def draw() -> Figure:
         from pearlbvp.figures.phases import draw_phases
@@ -120,7 +124,7 @@ def phases(
     others = [] if transitions is None else [lambda: write_table("--transitions", transitions, events)]
     status = write(units.columns(found.table), out, plot, draw, others)
     _tell(found, units)
-    return status
+    return status if found.complete else INTERRUPTED
 
 
 def _found(

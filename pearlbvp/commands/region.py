@@ -9,7 +9,7 @@ import click
 
 from pearlbvp.commands.arguments import Numbers
 from pearlbvp.commands.command import Command
-from pearlbvp.commands.output import check_outputs, outputs, processes_option, radius_option, write
+from pearlbvp.commands.output import INTERRUPTED, check_outputs, outputs, processes_option, radius_option, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,11 +56,13 @@ def region(
     out, plot = check_outputs(out, plot)
     curvatures = [units.tube(value, periods[0]).c0 for value in c0]
     lengths = [units.tube(c0[0], period).length for period in periods]
-    table = units.columns(stability_region(curvatures, lengths, pearls, starts=starts, processes=processes))
+    found = stability_region(curvatures, lengths, pearls, starts=starts, processes=processes)
+    done, table = set(zip(found["c0"], found["period"], strict=True)), units.columns(found)
 
     def draw() -> Figure:
         from pearlbvp.figures.region import draw_region
 
         return draw_region(table, units)
 
-    return write(table, out, plot, draw)
+    status = write(table, out, plot, draw)
+    return status if len(done) == len(set(curvatures)) * len(set(lengths)) else INTERRUPTED

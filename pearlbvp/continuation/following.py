@@ -29,7 +29,7 @@ from pearlbvp.continuation.problem import P, Problem
 from pearlbvp.continuation.segment import Segment
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.spectrum import Spectrum
-from pearlbvp.errors import InputError, SpectrumError, interrupted
+from pearlbvp.errors import InputError, Interruption, SpectrumError
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,9 @@ def continue_branch(
         exact: values of the start that are known, where its own have the error of a discretization.
 
     Returns:
-        The branch. It is whole up to its end whatever happens: a failing step is a ``reason``, an interruption too. Where
-        the start has a wanted value, it is the start alone.
+        The branch. It is whole up to its end, and a failing step is a ``reason``; an interruption is none, for whoever builds
+        on a branch must not take a part of it for the whole (``kept``). Where the start has a wanted value, it is the start
+        alone.
 
     Raises:
         InputError: another value is wanted of something that stays as it is on the branch, or that its solutions do not have,
@@ -107,12 +108,26 @@ def continue_branch(
     except np.linalg.LinAlgError as error:
         reason = f"a spectrum could not be computed ({error}); stop before, or take shorter steps"
         return run.end(Status.FAILED, reason)
-    except KeyboardInterrupt:
-        return run.end(Status.INTERRUPTED, "interrupted")
-    except SystemError as error:  # what an interruption inside compiled code turns into
-        if not interrupted(error):
-            raise
-        return run.end(Status.INTERRUPTED, "interrupted")
+
+
+def kept(follow: Callable[[BranchOptions], Branch[P]], options: BranchOptions) -> Branch[P]:
+    """A branch for its user, up to where that interrupts it.
+
+    Raises:
+        KeyboardInterrupt: before its first point.
+    """
+    latest: list[Branch[P]] = []
+
+    def progress(so_far: Branch[P]) -> None:
+        latest[:] = [so_far]
+        options.progress(so_far)
+
+    with Interruption():
+        return follow(replace(options, progress=progress))
+    if not latest:
+        raise KeyboardInterrupt
+    end = SpecialPoint("end", len(latest[0].points) - 1)
+    return replace(latest[0], special=[*latest[0].special, end], status=Status.INTERRUPTED, reason="interrupted")
 
 
 class _Run(Generic[P]):
@@ -146,7 +161,7 @@ class _Run(Generic[P]):
         """The whole branch; ``advice`` is of use where nothing moved away from what was wanted."""
         points = self.points or [replace(self.start, known=Spectrum.unknown())]
         astray: tuple[str, ...] = ()
-        if status not in (Status.REACHED, Status.INTERRUPTED):
+        if status is not Status.REACHED:
             astray = tuple(_left_behind(points, self.options.until))
             reason += (
                 "".join(f"; {name} moved away from its wanted value from the start on" for name in astray) or advice
@@ -162,6 +177,7 @@ class _Run(Generic[P]):
         """
         options, problem = self.options, self.start.problem
         self.points.append(self._whole(self.start))
+        options.progress(self.so_far())
         if any(has_value(self.points[0], name, value, exact) for name, value in options.until.items()):
             return self.end(Status.REACHED, "the start has the wanted value")
         path, tried = steps(self.start, options.path), math.inf

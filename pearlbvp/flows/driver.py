@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.errors import InputError, interrupted
+from pearlbvp.errors import InputError, Interruption
 from pearlbvp.flows.integrator import Tolerances, integrator
 from pearlbvp.flows.problem import FlowProblem
 from pearlbvp.flows.record import Equilibrium, FlowResult, FlowState, Record, Status
@@ -171,14 +171,9 @@ def flow(problem: FlowProblem, q: Array, options: FlowOptions | None = None) -> 
 def resumed(state: FlowState, options: FlowOptions | None = None) -> FlowResult:
     """The flow from a state on; see ``flow``."""
     run = _Run(replace(state, record=state.record.copy()), options or FlowOptions())
-    try:
+    ending = INTERRUPTED
+    with Interruption():
         ending = run.to_its_end()
-    except KeyboardInterrupt:
-        ending = INTERRUPTED
-    except SystemError as error:  # what an interruption inside compiled code turns into
-        if not interrupted(error):
-            raise
-        ending = INTERRUPTED
     status, reason, advice, equilibrium = ending
     said = Sentence.joined(Sentence("at t = {t:.6g} ", t=run.state.t), reason)
     return FlowResult(run.state, status, said, advice, equilibrium)

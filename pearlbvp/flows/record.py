@@ -196,6 +196,16 @@ class FlowResult:
         """
         return headed(self.state.columns(units))
 
+    def uninterrupted(self) -> FlowResult:
+        """The same, for who builds on how a flow ends.
+
+        Raises:
+            KeyboardInterrupt: somebody interrupted it, which says nothing of that.
+        """
+        if self.status == "interrupted":
+            raise KeyboardInterrupt
+        return self
+
     @property
     def complete(self) -> bool:
         """Whether the flow ended as flows should: at rest on a stable shape, or at the time asked for."""

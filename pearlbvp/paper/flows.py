@@ -35,7 +35,7 @@ def _c0f2() -> dict[str, tuple[Solution[Any], FlowResult, dict[str, float]]]:
     found = {}
     for name, (sample, start, kind, delta, centre, options) in starts.items():
         q = start.perturbed(kind, delta, centre=centre)  # type: ignore[arg-type]
-        found[name] = (sample, start.flow(q, options), _changes(start, q))
+        found[name] = (sample, start.flow(q, options).uninterrupted(), _changes(start, q))
     return found
 
 
@@ -89,7 +89,8 @@ def cmf2() -> Sheet:
         "C": tube_start(buckle.problem, buckle.u),
     }
     runs = {
-        name: start.flow(start.perturbed("bump", -0.25, keep=name == "D2"), COARSE) for name, start in starts.items()
+        name: start.flow(start.perturbed("bump", -0.25, keep=name == "D2"), COARSE).uninterrupted()
+        for name, start in starts.items()
     }
     panels = tuple(Course(letter, runs[name]) for letter, name in zip("abc", runs, strict=True))
     return Sheet(panels, _families(runs))
@@ -100,11 +101,11 @@ def c05f2() -> Sheet:
     branch = primary(0.48, 15.0, "pearl", (2, 0), "v", 1.06)
     sample = at(branch, "v=1.02")
     start = pearl_start(sample.problem, sample.u)
-    result = start.flow(start.perturbed("critical", 0.02, keep=True))
+    result = start.flow(start.perturbed("critical", 0.02, keep=True)).uninterrupted()
     return Sheet((Course("a", result),), {("A2", q): value for q, value in _ends(result).items()})
 
 
 def to_unequal_pearls(sample: Solution[Any]) -> FlowResult:
     """From one pearl at ``c0 = 0.75``, pushed along its unstable vector at its own area and volume."""
     start = solution_start(sample)
-    return start.flow(start.perturbed("critical", 0.05, keep=True))
+    return start.flow(start.perturbed("critical", 0.05, keep=True)).uninterrupted()

@@ -253,9 +253,11 @@ def _phases(cases: Sequence[Case]) -> list[Sequence[Row]]:
 
     c0, length, _ = cases[0].parameters
     wanted = [float(case.parameters[2]) for case in cases]
-    table = phases(Tube(float(c0), float(length)), wanted, depth=PHASES_DEPTH, starts=PHASES_STARTS).table
+    found = phases(Tube(float(c0), float(length)), wanted, depth=PHASES_DEPTH, starts=PHASES_STARTS)
+    if not found.complete:
+        raise KeyboardInterrupt
     status = {True: "none_in_range", False: "found"}
-    rows = [{**row, "status": status[row["branch"] == ""]} for row in _records(table)]
+    rows = [{**row, "status": status[row["branch"] == ""]} for row in _records(found.table)]
     return [[row for row in rows if row["v"] == v] for v in wanted]
 
 

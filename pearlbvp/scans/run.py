@@ -8,6 +8,7 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from contextlib import ExitStack
 from typing import Any, NamedTuple
 
+from pearlbvp.errors import interrupted
 from pearlbvp.scans.case import Case, Outcome, coarse_first
 from pearlbvp.scans.engines import Engine, TimedOut, cores, within
 from pearlbvp.scans.questions import ANY, CRITICAL, MANY, QUESTIONS, Question
@@ -56,6 +57,8 @@ def answer(unit: Unit, seconds: float | None = None, known: Sequence[bytes] = ()
     except TimedOut:
         return Answer([failure(case, f"it took longer than {seconds:g} s; allow more") for case in unit])
     except Exception as error:
+        if interrupted(error):  # inside compiled code
+            raise KeyboardInterrupt from error
         if len(unit) > 1:
             return Answer([outcome for case in unit for outcome in answer((case,), seconds).outcomes])
         return Answer([failure(unit[0], str(error) or type(error).__name__)])

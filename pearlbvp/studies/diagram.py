@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
-from pearlbvp.continuation.following import BranchOptions
-from pearlbvp.errors import InputError
+from pearlbvp.continuation.following import BranchOptions, kept
+from pearlbvp.errors import InputError, Interruption
 from pearlbvp.held import Held, known_held
 from pearlbvp.helfrich import Tube, WaveNumbers, choice, finite, mode_list, whole
 from pearlbvp.studies.branch import branch_options, curve, family_branch, known_options, shown
@@ -253,7 +252,7 @@ _Task = tuple[Callable[..., "Branch[Any] | str"], tuple[Any, ...]]
 def _done(tasks: Sequence[_Task], processes: int) -> Sequence[Branch[Any] | str]:
     """Branches, or why there are none; the first of them only where it is interrupted."""
     done: list[Branch[Any] | str] = []
-    with suppress(KeyboardInterrupt):
+    with Interruption():
         for found in in_processes(_follow, tasks, processes or None, fewest=2, batch=1):
             done.append(found)
             if _interrupted(found):
@@ -273,7 +272,7 @@ def _interrupted(found: Branch[Any] | str) -> bool:
 def _primary(tube: Tube, family: str, mode: WaveNumbers, options: BranchOptions, held: Held) -> Branch[Any] | str:
     """The branch of a family that leaves the cylinder at a mode."""
     try:
-        return family_branch(tube, family, mode, options, fix=held)
+        return kept(lambda watched: family_branch(tube, family, mode, watched, fix=held), options)
     except InputError as error:
         return error.why
 
@@ -283,7 +282,7 @@ def _secondary(
 ) -> Branch[Any] | str:
     """The branch that crosses another at its branch point ``number``."""
     try:
-        return switched(branch, number, options, centre=centre, grow=grow)
+        return kept(lambda watched: switched(branch, number, watched, centre=centre, grow=grow), options)
     except InputError as error:
         return error.why
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pearlbvp.continuation.path import PathEnd
-from pearlbvp.errors import SpectrumError
+from pearlbvp.errors import Interruption, SpectrumError
 from pearlbvp.helfrich import choice, whole
 from pearlbvp.messages import say
 from pearlbvp.progress import progress as progress_bar
@@ -67,12 +67,13 @@ def equilibria(
     table = cases if isinstance(cases, pd.DataFrame) else read_cases(cases)
     todo = list(cases_of(table, convention))
     rows: list[dict[str, object]] = []
+    stopped = Interruption()
     with progress_bar("case", len(todo), shown=progress) as bar:
-        try:
+        with stopped:
             for row in in_processes(equilibrium_row, todo, processes, fewest=16):
                 rows.append(row)
                 bar.update()
-        except KeyboardInterrupt:
+        if stopped.happened:
             say(f"interrupted: {len(rows)} of {len(todo)} rows are done and kept", begin="")
     found = pd.DataFrame(rows, columns=RESULTS, index=table.index[: len(rows)])
     whole_numbers = {name: "Int64" for name in ("equilibria", "pearls", "n_unstable", "straight_unstable")}

@@ -69,7 +69,7 @@ def _at_rest(start: Solution[Any], push: float) -> Solution[Any]:
     size = (max(12, math.ceil(ALONG * start.value("L"))), AROUND) if bends else None
     for _ in range(SADDLES):
         begun = solution_start(end, symmetric=not bends, size=size)
-        end = end_point(begun.flow(begun.perturbed("critical", push, keep=True)), unlike=COARSE)
+        end = end_point(begun.flow(begun.perturbed("critical", push, keep=True)).uninterrupted(), unlike=COARSE)
         if end.spectrum.n_unstable == 0:
             break
     return end

@@ -14,7 +14,7 @@ from pearlbvp.continuation import PathOptions, Solution, follow
 from pearlbvp.continuation.chebyshev import Unresolved, in_pieces, series
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.segment import Segment
-from pearlbvp.errors import InputError
+from pearlbvp.errors import InputError, Interruption
 from pearlbvp.helfrich import Tube, positive, whole
 from pearlbvp.messages import say
 from pearlbvp.numbers import as_numbers
@@ -154,13 +154,14 @@ def pearl_periods(
     curvatures = as_numbers("c0", c0)
     processes = None if processes is None else whole("processes", processes)
     rows: list[dict[str, object]] = []
+    stopped = Interruption()
     total = len(curvatures) * len(lengths)
     with progress_bar("tube", total, shown=progress) as bar:
-        try:
+        with stopped:
             for found in scan(curvatures, lengths, v, processes):
                 rows += found
                 bar.update(len(found))
-        except KeyboardInterrupt:
+        if stopped.happened:
             say(f"interrupted: {len(rows)} of {total} rows are done and kept", begin="")
     extra = [] if v is None else ["v", "pearls_least_energy", "E_least_energy"]
     table = pd.DataFrame(rows, columns=COLUMNS + extra)

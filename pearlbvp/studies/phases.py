@@ -12,28 +12,26 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
 from pearlbvp.continuation.following import BranchOptions
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.solution import Solution
-from pearlbvp.errors import InputError
+from pearlbvp.errors import InputError, Interruption
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, WaveNumbers, cylinder_energy, known_tube, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.studies.branch import branch_options
 from pearlbvp.studies.diagram import ENDS, diagram
 from pearlbvp.studies.search import Search
 from pearlbvp.studies.shape import both_ways
-from pearlbvp.studies.stretches import SAME_VOLUME, Piece, distinct, is_same, pieces
-from pearlbvp.studies.transitions import STRAIGHT, least_parts, ranges, transitions
+from pearlbvp.studies.stretches import SAME_VOLUME, Piece, curves_of, distinct, is_same
+from pearlbvp.studies.transitions import STRAIGHT, Part, least_parts, ranges, transitions
 from pearlbvp.theory.dispersion import critical_lambda2, stable_interval
 
 COLUMNS = ["v", "branch", "family", "symmetry", "rank", "E", "excess", "lambda1", "lambda2", "force", "n_unstable", "mu_crit",
            "critical", "amplitude", "r_min", "r_max", "c0", "L", "branches", "depth", "message", "starts", "rest_here",
            "origin", "multiplicity"]  # fmt: skip
-CURVES = ["branch", "stable", "v", "E", "excess"]
 OBSERVED = ("E", "lambda1", "lambda2", "force", "amplitude", "r_min", "r_max")
 
 MODES = 4
@@ -71,7 +69,7 @@ class Phases:
         transitions: where the least shape changes and where shapes gain and lose stability: ``studies.transitions.COLUMNS``.
         solutions: the shapes of the table by volume and name, the straight tube aside.
         ranges: volumes at which the shapes of a branch are the least, one after another: ``low, high, branch``.
-        curves: energies of all branches, dense enough to draw: ``CURVES``, pieces apart by a row without numbers.
+        curves: energies of all branches, dense enough to draw: ``stretches.CURVES``, pieces apart by a row without numbers.
         branches: what was followed, by the names of ``studies.diagram``.
         skipped: branch points that were not followed, by name, and why.
         unfinished: branches that end within the range, and why.
@@ -80,6 +78,7 @@ class Phases:
         rested: how many came to rest on each branch, by name; under ``unstable`` those that came to unstable shapes of none.
         restless: why others did not, and how many.
         origins: of branches that only random starts led to, where they meet others; empty where that is not known.
+        lacking: what an interruption left out, in words.
     """
 
     tube: Tube
@@ -96,6 +95,12 @@ class Phases:
     rested: Mapping[str, int] = field(default_factory=dict)
     restless: Mapping[str, int] = field(default_factory=dict)
     origins: Mapping[str, str] = field(default_factory=dict)
+    lacking: Sequence[str] = ()
+
+    @property
+    def complete(self) -> bool:
+        """Whether it was not interrupted; else this is what was computed before."""
+        return not self.lacking
 
     def __repr__(self) -> str:
         whole = self.ranges.itertuples(index=False)
@@ -107,9 +112,9 @@ class Phases:
     def rests_on(self) -> str:
         """What is meant by the least."""
         words = f"{len(self.branches)} branches to depth {self.depth}"
-        if not self.starts:
-            return words
-        return f"{words}, and where {sum(self.rested.values())} of {self.starts} random starts came to rest"
+        if self.starts:
+            words += f", and where {sum(self.rested.values())} of {self.starts} random starts came to rest"
+        return f"{words}; {_interrupted(self.lacking)}" if self.lacking else words
 
     def shapes(self, v: float) -> dict[str, Solution[Any]]:
         """The stable shapes of a volume of the table by name, the least first."""
@@ -146,10 +151,11 @@ def phases(
         progress: called with the name of each branch before it is followed.
 
     Returns:
-        The answer as tables, and the shapes.
+        The answer as tables, and the shapes. Where it is interrupted, what follows from what was computed before.
 
     Raises:
         InputError: an argument that cannot be used.
+        KeyboardInterrupt: before there was any branch.
 
     Examples:
         >>> found = phases(Tube(0.48, 10), [1.1, 1.2], depth=0)
@@ -157,52 +163,60 @@ def phases(
         (['1'], True)
     """
     known_tube(tube)
+    starts, seed = whole("starts", starts, 0), whole("seed", seed, 0)
     depth, unstable, wanted = whole("depth", depth, 0), whole("unstable", unstable, 0), known_volumes(tube, volumes)
     low, high = min(1.0, wanted[0]), max(1.0, wanted[-1])
     chosen = default_modes(tube, low < 1, high > 1) if modes is None else modes
     found = diagram(tube.c0, tube.length, depth, _options(low, high), progress, modes=chosen, processes=processes,
                     refused=partial(_too_unstable, unstable))  # fmt: skip
-    if not found.complete:
-        raise KeyboardInterrupt
+    lacking = [] if found.complete else ["not all branches were followed"]
     if not found.branches:
+        if lacking:
+            raise KeyboardInterrupt
         raise InputError("modes", "no branch could be followed", "choose other modes, or another length")
-    starts, seed = whole("starts", starts, 0), whole("seed", seed, 0)
-    everything = [piece for name, branch in found.branches.items() for piece in pieces(name, branch)]
-    begun = Search(dict(found.branches), everything)
+    begun = Search.of(found.branches)
     if starts:
-        begun = _searched(
-            tube, found.branches, (wanted[0], wanted[-1]), (low, high), unstable, starts, seed, processes, progress
-        )
+        with Interruption():
+            if not lacking:
+                _search(tube, begun, (wanted[0], wanted[-1]), (low, high), unstable, starts, seed, processes, progress)
+        lacking += [f"{begun.relaxed} of {starts} random starts were relaxed"] * (begun.relaxed < starts)
     found, everything = replace(found, branches=begun.branches), begun.pieces
     stretches, images = distinct([piece for piece in everything if piece.stable])
     alike = Counter((found.twins | images).values())
     unfinished = {name: branch for name, branch in found.branches.items() if _ends_within(branch, low, high)}
     said = {name: branch.reason for name, branch in unfinished.items()}
-    parts = least_parts(stretches, wanted[0], wanted[-1], lambda what: said.update({what.partition(",")[0]: what}))
-    table, solutions = _at_volumes(tube, wanted, stretches, unfinished)
-    table = table.assign(c0=tube.c0, L=tube.length, branches=len(found.branches), depth=depth, starts=starts)
+    table, solutions = _at_volumes(tube, wanted, stretches, unfinished, lacking)
+    parts, stopped = list[Part](), Interruption()
+    with stopped:
+        parts = least_parts(stretches, wanted[0], wanted[-1], lambda what: said.update({what.partition(",")[0]: what}))
+    lacking += ["where the least shape changes was not computed"] * stopped.happened
+    table = table.assign(c0=tube.c0, L=tube.length, branches=len(found.branches), depth=depth, starts=begun.relaxed)
     here = table["branch"].map(dict(begun.rested)).fillna(0)
     table = table.assign(rest_here=here, origin=table["branch"].map(begun.origins),
                          multiplicity=table["branch"].map({name: 1 + alike[name] for name in found.branches}))  # fmt: skip
+    flows, stopped = flows and not lacking, Interruption()  # which take longest
     falls = partial(_falls, everything, stretches) if flows else _no_falls
-    events = transitions(tube, parts, stretches, list(found.branches), (wanted[0], wanted[-1]), falls)
-    curves = _curves(everything, stretches, wanted[0], wanted[-1])
-    table = table.reindex(columns=COLUMNS).astype(
-        {"n_unstable": "Int64", "rank": "Int64", "rest_here": "Int64", "multiplicity": "Int64"}
-    )
+    events = transitions(tube, parts, stretches, list(found.branches), (wanted[0], wanted[-1]), falls, stopped)
+    lacking += ["not all transitions were computed"] * stopped.happened
+    curves = curves_of(everything, stretches, wanted[0], wanted[-1])
+    table = table.astype(dict.fromkeys(("n_unstable", "rank", "rest_here", "multiplicity"), "Int64"))
     return Phases(
-        tube, table, events, solutions, ranges(parts), curves, found.branches, found.skipped, said, depth, starts,
-        begun.rested, begun.restless, begun.origins,
+        tube, table, events, solutions, ranges(parts), curves, found.branches, found.skipped, said, depth,
+        begun.relaxed, begun.rested, begun.restless, begun.origins, lacking,
     )  # fmt: skip
 
 
-def _searched(
-    tube: Tube, branches: Mapping[str, Branch[Any]], volumes: tuple[float, float], ends: tuple[float, float],
+def _interrupted(lacking: Sequence[str]) -> str:
+    return f"interrupted: {', '.join(lacking)}"
+
+
+def _search(
+    tube: Tube, found: Search, volumes: tuple[float, float], ends: tuple[float, float],
     unstable: int, starts: int, seed: int, processes: int, progress: Callable[[str], None],
-) -> Search:  # fmt: skip
+) -> None:  # fmt: skip
     """Pearls beside unduloids, and what spheres and random starts come to: what is on no known branch is followed both ways."""
     from pearlbvp.studies.spheres import strings_of_spheres
-    from pearlbvp.studies.starts import search  # the flow's rooms, which nothing else here needs
+    from pearlbvp.studies.starts import meetings, search  # the flow's rooms, which nothing else here needs
     from pearlbvp.studies.unduloids import beside_unduloids
 
     down, up = (replace(branch_options({"v": v}), limit=WithinVolumes(*ends)) for v in ends)
@@ -210,9 +224,12 @@ def _searched(
     def follow(shape: Solution[Any]) -> Branch[Any]:
         return both_ways(shape.problem, shape.u, down, up)
 
-    known = {**branches, **beside_unduloids(tube, branches, *volumes, unstable, follow)}
-    known |= strings_of_spheres(tube, known, *volumes, unstable, follow)
-    return search(tube, known, volumes, starts, seed, follow, processes, progress)
+    try:
+        beside_unduloids(tube, found, *volumes, unstable, follow)
+        strings_of_spheres(tube, found, *volumes, unstable, follow)
+        search(tube, found, volumes, starts, seed, follow, processes, progress)
+    finally:
+        found.origins |= {name: meetings(found.branches[name], found.branches) for name in found.origins}
 
 
 def _falls(everything: Sequence[Piece], stretches: Sequence[Piece], piece: Piece, upper: bool) -> list[str]:
@@ -298,25 +315,30 @@ def _misses(tube: Tube, branch: Branch[Any], v: float) -> bool:
 
 
 def _at_volumes(
-    tube: Tube, volumes: Sequence[float], stretches: Sequence[Piece], unfinished: Mapping[str, Branch[Any]]
-) -> tuple[pd.DataFrame, dict[tuple[float, str], Solution[Any]]]:
-    """The table, and the shapes in it."""
-    rows: list[dict[str, Any]] = []
+    tube: Tube, volumes: Sequence[float], stretches: Sequence[Piece], unfinished: Mapping[str, Branch[Any]],
+    lacking: list[str],
+) -> tuple[pd.DataFrame, dict[tuple[float, str], Solution[Any]]]:  # fmt: skip
+    """The table, and the shapes in it; to what is lacking, which each row says, is added what of the table is."""
+    tables: list[list[dict[str, Any]]] = []
     solutions: dict[tuple[float, str], Solution[Any]] = {}
-    for v in volumes:
-        said = [f"{name} was not followed to here" for name, branch in unfinished.items() if _misses(tube, branch, v)]
-        found, failed = _stable_at(v, stretches)
-        solutions |= {(v, name): shape for name, shape in found.items()}
-        here = [_row(name, shape) for name, shape in found.items()]
-        if abs(v - 1) <= SAME_VOLUME and stable_interval(tube).exists:
-            here.append(_straight_row(tube))
-        here.sort(key=lambda row: float(row["E"]))
-        said = [NONE] * (not here) + said + failed
-        for rank, row in enumerate(here, start=1):
-            rows.append({"v": v, **row, "rank": rank, "excess": row["E"] - here[0]["E"], "message": "; ".join(said)})
-        if not here:
-            rows.append({"v": v, "branch": "", "message": "; ".join(said)})
-    return pd.DataFrame(rows), solutions
+    before, stopped = [_interrupted(lacking)] * bool(lacking), Interruption()
+    with stopped:
+        for v in volumes:
+            said = [
+                f"{name} was not followed to here" for name, branch in unfinished.items() if _misses(tube, branch, v)
+            ]
+            found, failed = _stable_at(v, stretches)
+            here = [_row(name, shape) for name, shape in found.items()]
+            if abs(v - 1) <= SAME_VOLUME and stable_interval(tube).exists:
+                here.append(_straight_row(tube))
+            here.sort(key=lambda row: float(row["E"]))
+            message = "; ".join([*[NONE] * (not here), *before, *said, *failed])
+            ranks = [{"rank": i, "excess": row["E"] - here[0]["E"]} for i, row in enumerate(here, start=1)]
+            rows = [row | rank for row, rank in zip(here, ranks, strict=True)] or [{"branch": ""}]
+            solutions |= {(v, name): shape for name, shape in found.items()}
+            tables.append([{"v": v, **row, "message": message} for row in rows])
+    lacking += [f"{len(tables)} of {len(volumes)} volumes are in the table"] * stopped.happened
+    return pd.DataFrame([row for rows in tables for row in rows], columns=COLUMNS), solutions
 
 
 def _stable_at(v: float, stretches: Sequence[Piece]) -> tuple[dict[str, Solution[Any]], list[str]]:
@@ -357,23 +379,3 @@ def symmetry(periods: int, folds: int) -> str:
     """Equal periods along and folds around a tube in words: ``2 periods, axisymmetric``, or ``1 period`` with one fold."""
     along = f"{periods} period{'s' * (periods > 1)}" if periods else "uniform along x"
     return along + {0: ", axisymmetric", 1: ""}.get(folds, f", {folds}-fold")
-
-
-# Along all volumes.
-
-
-def _curves(everything: Sequence[Piece], stretches: Sequence[Piece], low: float, high: float) -> pd.DataFrame:
-    """Energies along all branches, and by how much they exceed the least stable one of their volume, within a range."""
-    tables = [pd.DataFrame(columns=CURVES)]
-    for piece in everything:
-        v = np.union1d(piece.samples(), [end for end in (low, high) if piece.low <= end <= piece.high])
-        v = v[(v >= low) & (v <= high)]
-        if len(v) == 0:
-            continue
-        least = np.fmin.reduce([other.energies(v) for other in stretches] or [np.full_like(v, np.nan)])
-        energy = piece.energies(v)
-        table = pd.DataFrame({"v": v, "E": energy, "excess": energy - least}).assign(
-            branch=piece.name, stable=piece.stable
-        )
-        tables += [table, pd.DataFrame({"branch": [piece.name], "stable": [piece.stable]})]
-    return pd.concat(tables, ignore_index=True).reindex(columns=CURVES)

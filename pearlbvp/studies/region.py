@@ -14,7 +14,7 @@ import numpy as np
 
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.path import PathEnd
-from pearlbvp.errors import InputError, SpectrumError
+from pearlbvp.errors import InputError, Interruption, SpectrumError
 from pearlbvp.helfrich import Tube, whole
 from pearlbvp.messages import say
 from pearlbvp.numbers import as_numbers
@@ -102,12 +102,13 @@ def stability_region(
     lengths = as_numbers("periods", periods)
     cases = [(Tube(value, length), counts, starts) for value in as_numbers("c0", c0) for length in lengths]
     rows: list[dict[str, object]] = []
+    stopped = Interruption()
     with progress_bar("period", len(cases), shown=progress) as bar:
-        try:
+        with stopped:
             for found in in_processes(_rows, cases, processes, FEWEST, 1):
                 rows += found
                 bar.update()
-        except KeyboardInterrupt:
+        if stopped.happened:
             say(f"interrupted: {len(rows)} rows are done and kept", begin="")
     return pd.DataFrame(rows, columns=COLUMNS).astype({"n_from": "Int64", "n_to": "Int64"})
 

@@ -1,13 +1,14 @@
-"""What random starts came to, beside the branches that are known."""
+"""What random starts came to, and the branches that they and others led to beside those that are known."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from pearlbvp.continuation.branch import Branch
-from pearlbvp.studies.stretches import Piece
+from pearlbvp.studies.stretches import Piece, pieces
 
 UNSTABLE = "unstable"
 """Among what random starts came to: shapes on no known branch that perturbations of lower symmetry lead away from."""
@@ -30,3 +31,21 @@ class Search:
     rested: Counter[str] = field(default_factory=Counter)
     restless: Counter[str] = field(default_factory=Counter)
     origins: dict[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, branches: Mapping[str, Branch[Any]]) -> Search:
+        """Branches from which to begin."""
+        found = cls({}, [])
+        for name, branch in branches.items():
+            found.add(name, branch)
+        return found
+
+    def add(self, name: str, branch: Branch[Any]) -> None:
+        """One more branch."""
+        self.branches[name] = branch
+        self.pieces += pieces(name, branch)
+
+    @property
+    def relaxed(self) -> int:
+        """How many starts were relaxed."""
+        return self.rested.total() + self.restless.total()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 
@@ -15,35 +15,31 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.minimum import least
 from pearlbvp.shapes.outline import Outline, pearl_of_outline
 from pearlbvp.shapes.pearl import PearlProblem
+from pearlbvp.studies.search import Search
 from pearlbvp.studies.starts import branch_of, computed
-from pearlbvp.studies.stretches import pieces
 
 HALF_WAY = 0.5
 """From the straight tube's volume to that of spheres that fill the area: there necks are no thinner than need be."""
 
 
 def strings_of_spheres(
-    tube: Tube, branches: Mapping[str, Branch[PearlProblem]], low: float, high: float, unstable: int,
+    tube: Tube, found: Search, low: float, high: float, unstable: int,
     follow: Callable[[Solution[PearlProblem]], Branch[PearlProblem]],
-) -> dict[str, Branch[PearlProblem]]:  # fmt: skip
-    """Branches that strings of spheres come to downhill, by name: ``spheres 2`` of two of them.
+) -> None:  # fmt: skip
+    """Follow branches that strings of spheres come to downhill, called ``spheres 2`` of two of them.
 
     Args:
         tube: the straight tube. So many spheres of its area fit where it is longer than their diameters, two radii each.
-        branches: those that are known: shapes on them are left out.
+        found: what is known, to which they are added: shapes on that are left out.
         low, high: range of volumes.
         unstable: directions that are unstable at most on what is followed.
         follow: makes of a shape the branch through it.
     """
-    known = [piece for name, branch in branches.items() for piece in pieces(name, branch)]
-    found = {}
     for count in range(1, math.ceil(tube.length / 2)):
         v = 1 + HALF_WAY * (2 / 3 * math.sqrt(tube.length / (2 * count)) - 1)
         shape = _string(tube, count, min(max(v, low), high))
-        if shape is not None and shape.spectrum.n_unstable <= unstable and not branch_of(shape, known):
-            found[f"spheres {count}"] = follow(shape)
-            known += pieces(f"spheres {count}", found[f"spheres {count}"])
-    return found
+        if shape is not None and shape.spectrum.n_unstable <= unstable and not branch_of(shape, found.pieces):
+            found.add(f"spheres {count}", follow(shape))
 
 
 def _string(tube: Tube, count: int, v: float) -> Solution[PearlProblem] | None:

@@ -30,7 +30,7 @@ from pearlbvp.studies.flow_end import resolved, solution_of
 from pearlbvp.studies.flow_start import solution_start
 from pearlbvp.studies.parallel import in_processes
 from pearlbvp.studies.search import UNSTABLE, Search
-from pearlbvp.studies.stretches import Piece, pieces
+from pearlbvp.studies.stretches import Piece
 
 LONGEST = 16.0
 """Length up to which tubes without symmetry are relaxed, for the work grows with its third power."""
@@ -174,26 +174,25 @@ def _of_modes(landscape: TubeLandscape, found: Minimum) -> tuple[Any, Any]:
 
 def search(
     tube: Tube,
-    branches: Mapping[str, Branch[Any]],
+    found: Search,
     volumes: tuple[float, float],
     count: int,
     seed: int,
     follow: Callable[[Solution[Any]], Branch[Any]],
     processes: int,
     progress: Callable[[str], None],
-) -> Search:
+) -> None:
     """Relax random starts; stable shapes on no known branch are followed.
 
     Args:
         tube: the straight tube.
-        branches: those that are known, by name.
+        found: what is known, to which is added what they come to.
         volumes: ends of the range of volumes of the starts.
         count, seed: of the starts.
         follow: makes of a shape the branch through it.
         processes: how many to work in; 0 for one a core.
         progress: called after each start.
     """
-    found = Search(dict(branches), [piece for name, branch in branches.items() for piece in pieces(name, branch)])
     cases = starts_within(tube, *volumes, count, seed)
     for shape in in_processes(at_rest, cases, processes or None, FEWEST):
         progress("start")
@@ -203,13 +202,9 @@ def search(
         name = branch_of(shape, found.pieces) or UNSTABLE * (shape.spectrum.n_unstable > 0)
         if not name:
             name = f"start {len(found.origins) + 1}"
-            found.branches[name] = follow(shape)
-            found.pieces += pieces(name, found.branches[name])
+            found.add(name, follow(shape))
             found.origins[name] = ""
         found.rested[name] += 1
-    for name in found.origins:
-        found.origins[name] = ", ".join(dict.fromkeys(origins(found.branches[name], found.branches)))
-    return found
 
 
 FEWEST = 8
@@ -232,8 +227,12 @@ def branch_of(shape: Solution[Any], everything: Sequence[Piece]) -> str:
     return ""
 
 
-def origins(branch: Branch[Any], others: Mapping[str, Branch[Any]]) -> Iterator[str]:
-    """Where the ends of a branch lie on others: ``3 at bp 2``, or at a point where that begins."""
+def meetings(branch: Branch[Any], others: Mapping[str, Branch[Any]]) -> str:
+    """Where the ends of a branch lie on others: ``3 at bp 2``; empty where on none."""
+    return ", ".join(dict.fromkeys(_meetings(branch, others)))
+
+
+def _meetings(branch: Branch[Any], others: Mapping[str, Branch[Any]]) -> Iterator[str]:
     for end in (branch.points[0].observables, branch.points[-1].observables):
         for name, other in others.items():
             if other is branch:

@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch
@@ -232,3 +233,24 @@ def _crossing(one: Piece, other: Piece, low: float, high: float) -> float:
     raise PathEnd(
         f"the energies of {one.name} and {other.name} are equal near v = {v:.8g}, but the place was not located"
     )
+
+
+CURVES = ["branch", "stable", "v", "E", "excess"]
+"""Columns of energies along branches."""
+
+
+def curves_of(everything: Sequence[Piece], stretches: Sequence[Piece], low: float, high: float) -> pd.DataFrame:
+    """Energies along all branches, and by how much they exceed the least stable one of their volume, within a range."""
+    tables = [pd.DataFrame(columns=CURVES)]
+    for piece in everything:
+        v = np.union1d(piece.samples(), [end for end in (low, high) if piece.low <= end <= piece.high])
+        v = v[(v >= low) & (v <= high)]
+        if len(v) == 0:
+            continue
+        least = np.fmin.reduce([other.energies(v) for other in stretches] or [np.full_like(v, np.nan)])
+        energy = piece.energies(v)
+        table = pd.DataFrame({"v": v, "E": energy, "excess": energy - least}).assign(
+            branch=piece.name, stable=piece.stable
+        )
+        tables += [table, pd.DataFrame({"branch": [piece.name], "stable": [piece.stable]})]
+    return pd.concat(tables, ignore_index=True).reindex(columns=CURVES)

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pearlbvp.continuation.branch import Status
 from pearlbvp.continuation.path import PathEnd
-from pearlbvp.errors import InputError
+from pearlbvp.errors import InputError, Interruption
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.stretches import Piece, equal_energies
 
@@ -98,6 +98,7 @@ def transitions(
     names: Sequence[str],
     ends: tuple[float, float],
     falls: Callable[[Piece, bool], list[str]],
+    stopped: Interruption,
 ) -> pd.DataFrame:
     """A row an event, by volume, the columns ``COLUMNS``.
 
@@ -108,21 +109,25 @@ def transitions(
         names: of all branches.
         ends: of the range of volumes.
         falls: names of the shapes that a stretch flows to at its lower or upper end.
+        stopped: an interruption ends the table where it is.
     """
-    rows = [_change(*pair) for pair in pairwise(parts)]
-    for piece in stretches:
-        for upper, number, event in zip((False, True), piece.ends, ("stable", "unstable"), strict=True):
-            if ends[0] < piece.branch.points[number].value("v") < ends[1] and "stop" not in piece.branch.kinds(number):
-                row = _of_stability(piece, number, event, stretches, names)
-                try:
-                    row["falls_to"] = ", ".join(falls(piece, upper))
-                except (InputError, PathEnd) as error:
-                    row["message"] = "; ".join(filter(None, (row["message"], str(error))))
-                rows.append(row)
+    rows: list[dict[str, Any]] = []
+    with stopped:
+        rows += (_change(*pair) for pair in pairwise(parts))
+        for piece in stretches:
+            for upper, number, event in zip((False, True), piece.ends, ("stable", "unstable"), strict=True):
+                point = piece.branch.points[number]
+                if ends[0] < point.value("v") < ends[1] and "stop" not in piece.branch.kinds(number):
+                    row = _of_stability(piece, number, event, stretches, names)
+                    rows.append(row)
+                    try:
+                        row["falls_to"] = ", ".join(falls(piece, upper))
+                    except (InputError, PathEnd) as error:
+                        row["message"] = "; ".join(filter(None, (row["message"], str(error))))
     rows.sort(key=lambda row: (row["v"], row["event"]))
     table = pd.DataFrame(rows, columns=COLUMNS)
-    words = {name: table[name].fillna("") for name in ("other", "special", "critical", "falls_to", "message")}
-    return table.assign(c0=tube.c0, L=tube.length).assign(**words)
+    words = table[["other", "special", "critical", "falls_to", "message"]].astype(object).fillna("")
+    return table.assign(c0=tube.c0, L=tube.length, **words)
 
 
 def _change(before: Part, after: Part) -> dict[str, Any]:

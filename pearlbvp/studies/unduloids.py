@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.unduloid import Unduloid, unduloid_of, unduloid_pearl
+from pearlbvp.studies.search import Search
 from pearlbvp.units import Sentence
 
 BESIDE = 0.05
@@ -25,19 +26,17 @@ MEETING = 1e-6
 
 
 def beside_unduloids(
-    tube: Tube, branches: Mapping[str, Branch[Any]], low: float, high: float, unstable: int,
-    follow: Callable[[Solution[Any]], Branch[Any]],
-) -> dict[str, Branch[Any]]:  # fmt: skip
-    """Branches of equal pearls through the unduloids that a tube has, by name: ``unduloid 2`` of two periods.
+    tube: Tube, found: Search, low: float, high: float, unstable: int, follow: Callable[[Solution[Any]], Branch[Any]]
+) -> None:
+    """Follow branches of equal pearls through the unduloids that a tube has, called ``unduloid 2`` of two periods.
 
     Args:
         tube: the straight tube.
-        branches: those that are known: what they pass is left out.
+        found: the branches that are known, to which they are added: what those pass is left out.
         low, high: range of volumes.
         unstable: directions that are unstable at most on the side that is followed.
         follow: makes of a shape the branch through it.
     """
-    found: dict[str, Branch[Any]] = {}
     pearls = 1
     while (unduloid := unduloid_of(tube.length / pearls)) is not None or tube.wave_number(pearls) <= 1:
         if unduloid is not None and unduloid.v < low:
@@ -45,15 +44,14 @@ def beside_unduloids(
         if (
             unduloid is not None
             and unduloid.v <= high
-            and not any(_passes(b, pearls, unduloid) for b in branches.values())
+            and not any(_passes(b, pearls, unduloid) for b in found.branches.values())
         ):
             # On the second side the tension is large and negative, and many waves grow.
             sides = (beside(tube, pearls, unduloid, side) for side in (BESIDE, -BESIDE))
             shape = next((s for s in sides if s is not None and s.spectrum.n_unstable <= unstable), None)
             if shape is not None:
-                found[f"unduloid {pearls}"] = follow(shape)
+                found.add(f"unduloid {pearls}", follow(shape))
         pearls += 1
-    return found
 
 
 def why_none(tube: Tube, pearls: int) -> str:

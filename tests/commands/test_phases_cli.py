@@ -1,6 +1,7 @@
 """``pearlbvp phases``: its tables and its picture are those of the study; mistakes are said in one line."""
 
 import io
+import itertools
 import re
 
 import pandas as pd
@@ -8,6 +9,7 @@ import pytest
 from support.commands import is_png, run
 
 import pearlbvp as pb
+from pearlbvp.studies import transitions
 from pearlbvp.studies.phases import COLUMNS
 from pearlbvp.studies.transitions import COLUMNS as EVENTS
 
@@ -45,3 +47,21 @@ def test_mistakes(capsys, tmp_path, monkeypatch, options, named):
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert re.match(f"pearlbvp: {named}", err)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("name", "drawn"), [("_of_stability", True), ("equal_energies", False)])
+def test_what_was_computed_before_an_interruption_is_written(capsys, tmp_path, monkeypatch, name, drawn):
+    """In the middle of the transitions, and of where the least shape changes, without which there is no picture."""
+
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(transitions, name, interrupted)
+    files = {"--out": tmp_path / "p.csv", "--transitions": tmp_path / "t.csv", "--plot": tmp_path / "p.png"}
+    tube = ["--c0", "0.48", "--length", "15", "--mode", "2,0", "--starts", "0", "--processes", "1"]
+    status, out, err = run(capsys, "phases", *tube, "--volumes", "1:1.02:0.01", *itertools.chain(*files.items()))
+    assert (status, out) == (130, "")
+    assert re.search("interrupted: (not all transitions|where the least shape changes)", err.splitlines()[-1])
+    assert list(pd.read_csv(files["--out"])["branch"]) == ["straight", "2/1", "2/1"]
+    assert files["--transitions"].exists()
+    assert (files["--plot"].exists(), "there is no picture" in err) == (drawn, not drawn)

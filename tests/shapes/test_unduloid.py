@@ -7,6 +7,7 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.shapes.unduloid import unduloid_of, unduloid_pearl
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.phases import phases
+from pearlbvp.studies.search import Search
 from pearlbvp.studies.unduloids import beside_unduloids
 
 
@@ -18,7 +19,9 @@ def test_a_branch_passes_the_unduloid_of_its_period():
     assert place["r_min"] == pytest.approx((1 - exact.shape) / (2 * exact.mean), abs=1e-8)
     assert place["r_max"] == pytest.approx((1 + exact.shape) / (2 * exact.mean), abs=1e-8)
     assert place["E"] == pytest.approx((exact.mean - 0.75) ** 2, abs=1e-10)
-    assert beside_unduloids(Tube(0.75, 10), {"2": branch}, 0.96, 1, 2, lambda shape: branch) == {}
+    known = Search.of({"2": branch})
+    beside_unduloids(Tube(0.75, 10), known, 0.96, 1, 2, lambda shape: branch)
+    assert list(known.branches) == ["2"]
 
 
 def test_it_solves_the_equations_of_the_chart_of_large_multipliers():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support import pearls
 
-from pearlbvp.continuation.following import continue_branch
+from pearlbvp.continuation.following import continue_branch, kept
 from pearlbvp.continuation.path import correct
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import crossing_direction
@@ -145,9 +145,13 @@ def test_an_interrupted_branch_keeps_its_points():
         if len(branch.points) > 4:
             raise KeyboardInterrupt
 
-    branch = family_branch(
-        Tube(0.48, 15), "pearl", (2, 0), branch_options({"v": 0.9}, progress=interrupt)
-    )  # it moves away from that
+    def follow(options):
+        return family_branch(Tube(0.48, 15), "pearl", (2, 0), options)
+
+    options = branch_options({"v": 0.9}, progress=interrupt)  # it moves away from that
+    with pytest.raises(KeyboardInterrupt):  # for whoever builds on it
+        follow(options)
+    branch = kept(follow, options)
     assert (branch.reason, branch.complete) == ("interrupted", False)
     assert len(branch.points) > 4
     assert branch.kinds(len(branch.points) - 1) == ["end"]

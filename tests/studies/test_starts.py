@@ -10,6 +10,7 @@ from pearlbvp.continuation.following import continue_branch
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.phases import phases
+from pearlbvp.studies.search import Search
 from pearlbvp.studies.spheres import strings_of_spheres
 from pearlbvp.studies.starts import Start, at_rest, starts_within
 from pearlbvp.theory.elastica import ring_at
@@ -84,8 +85,9 @@ def test_a_sphere_on_a_tether_comes_to_the_pearls_that_leave_two_equal_ones():
     """The paper's P, whose end at ``lambda1 = 30`` is known from two equal pearls of period 5, which it leaves (data)."""
     known = pd.read_csv(GRAPH, comment="#").set_index("branch").loc["P"]
     onwards = branch_options({"lambda1": 30.0}, max_step=20)
-    found = strings_of_spheres(Tube(0.75, 10), {}, 1.0, 1.3, 0, lambda shape: continue_branch(shape, onwards))
-    end = found["spheres 1"].points[-1]
+    found = Search.of({})
+    strings_of_spheres(Tube(0.75, 10), found, 1.0, 1.3, 0, lambda shape: continue_branch(shape, onwards))
+    end = found.branches["spheres 1"].points[-1]
     assert end.spectrum.n_unstable == known.n_unstable == 0
     assert end.value("v") == pytest.approx(known.v_to, abs=1e-7)
     assert end.value("E") == pytest.approx(known.E_to, abs=1e-7)
