@@ -62,6 +62,7 @@ def diagram(
     *,
     modes: Iterable[WaveNumbers] | None = None,
     until: Until | None = None,
+    nodes: int = 0,
     processes: int = 0,
 ) -> Diagram:
     """All branches from the straight tube, and from their branch points on, to a depth; or branches that there are, together.
@@ -71,6 +72,8 @@ def diagram(
         depth: 0 for branches from the straight tube only, 1 for those that cross them, too, and so on.
         modes: follow every family of these; by default all pearls of ``k < 1``.
         until: where every branch stops.
+        nodes: where reduced modes describe a branch no further, follow it on triangles with about so many vertices; 0 for
+            branches that end there.
         processes: how many to work in; 0 for one a core.
 
     Returns:
@@ -96,6 +99,8 @@ def diagram(
             bar.set_description(name, refresh=False)
             bar.update()
 
-        found = study.diagram(tube.c0, tube.length, depth, options, follow, modes=modes, processes=processes)
+        found = study.diagram(
+            tube.c0, tube.length, depth, options, follow, modes=modes, nodes=nodes, processes=processes
+        )
     carried = {field.name: getattr(found, field.name) for field in fields(found)}
     return Diagram(**carried | {"branches": {name: Branch.of(each) for name, each in found.branches.items()}})

@@ -59,6 +59,13 @@ class MembraneProblem(Problem):
         """The same equilibria, judged by what else is held."""
         return self if held == self.held else replace(self, held=held)  # type: ignore[type-var]  # families are dataclasses
 
+    def check_spectrum(self, u: Array) -> None:  # most families' growth rates are never refused beforehand
+        """Refuse growth rates that would take too long, before anything is computed.
+
+        Raises:
+            SpectrumError: they would take too many modes.
+        """
+
     @abstractmethod
     def largest_wave(self, u: Array) -> float:
         """``2 A`` of the largest wave over the straight tube (``projection``)."""

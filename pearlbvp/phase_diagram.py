@@ -39,6 +39,7 @@ def phases(
     flows: bool = False,
     starts: int = 0,
     seed: int = 0,
+    nodes: int = study.NODES,
     processes: int = 0,
 ) -> Phases:
     """Which shape the tube takes at which volume: all stable shapes that were found, the least, and where that changes.
@@ -52,6 +53,8 @@ def phases(
         flows: let shapes flow where they lose their stability, to see what they fall to.
         starts: random shapes that are relaxed, to find stable ones that the branches do not lead to.
         seed: of the random shapes: the same seed, the same shapes.
+        nodes: where reduced modes describe a branch no further, follow it on triangles with about so many vertices; 0 for
+            branches that end there.
         processes: how many to work in; 0 for one a core.
 
     Returns:
@@ -70,6 +73,6 @@ def phases(
     """
     with progress("branch") as bar:
         found = study.phases(tube, volumes, depth=depth, modes=modes, unstable=unstable, flows=flows, starts=starts, seed=seed,
-                             processes=processes,
+                             nodes=nodes, processes=processes,
                              progress=lambda name: bar.update())  # fmt: skip
     return Phases(**{field.name: getattr(found, field.name) for field in fields(found)})

@@ -69,6 +69,10 @@ MOST_NAMED = 6
     "--seed", type=click.IntRange(min=0), default=0, show_default=True,
     help="Of the random shapes: the same, the same shapes.",
 )  # fmt: skip
+@click.option(
+    "--nodes", type=click.IntRange(min=0), default=3000, show_default=True,
+    help="Where reduced modes describe a branch no further, follow it on triangles of so many vertices; 0: end it there.",
+)  # fmt: skip
 @processes_option
 @click.option(
     "--transitions", type=File(), metavar="FILE.csv",
@@ -86,6 +90,7 @@ def phases(
     flows: bool,
     starts: int,
     seed: int,
+    nodes: int,
     processes: int | None,
     transitions: Path | None,
     out: Path | None,
@@ -110,7 +115,7 @@ def phases(
     if plot is not None and len(set(volumes)) < 2:
         raise InputError("--plot", "one volume makes no picture", "give several, like 0.9:1.1:0.01")
     check_distinct({"--out": out, "--plot": plot, "--transitions": transitions})
-    found = _found(c0, length, volumes, depth, modes, unstable, flows, (starts, seed), processes, units)
+    found = _found(c0, length, volumes, depth, modes, unstable, flows, (starts, seed), nodes, processes, units)
     if found.ranges.empty and plot is not None:
         say("there is no picture: which shapes are the least was not computed")
         plot = None
@@ -129,7 +134,7 @@ def phases(
 
 def _found(
     c0: float, length: float, volumes: list[float], depth: int, modes: tuple[tuple[int, int], ...],
-    unstable: int, flows: bool, random: tuple[int, int], processes: int | None, units: Units,
+    unstable: int, flows: bool, random: tuple[int, int], nodes: int, processes: int | None, units: Units,
 ) -> Phases:  # fmt: skip
     from pearlbvp.progress import progress
 
@@ -141,7 +146,7 @@ def _found(
             bar.update()
 
         return study(units.tube(c0, length), volumes, depth=depth, modes=list(modes) or None, unstable=unstable, flows=flows,
-                     starts=random[0], seed=random[1], processes=processes or 0, progress=follow)  # fmt: skip
+                     starts=random[0], seed=random[1], nodes=nodes, processes=processes or 0, progress=follow)  # fmt: skip
 
 
 def _tell(found: Phases, units: Units) -> None:

@@ -16,6 +16,7 @@ from pearlbvp.studies.branch import branch_options, curve, family_branch, known_
 from pearlbvp.studies.dispersion import branch_points
 from pearlbvp.studies.onward import Centre, switched
 from pearlbvp.studies.parallel import in_processes
+from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
@@ -46,7 +47,8 @@ class Diagram:
     Attributes:
         branches: ``3`` is the branch of three equal pearls, ``3/1`` the one that crosses it at its first branch point,
             ``3/1 neck`` that centred on a neck, ``3/1 shrink`` its other half where that has other shapes; ``ring 0:2``,
-            ``coil 1:1``, ``buckle 1:1`` are those of other families with their mode, ``ring 0:2/1`` what branches off there.
+            ``coil 1:1``, ``buckle 1:1`` are those of other families with their mode, ``ring 0:2/1`` what branches off there,
+            ``ring 0:2/1 mesh`` what follows it on triangles.
         skipped: branch points that were not followed, by name, and why.
         twins: of those the ones that lead to a branch again, shifted or mirrored: the name of that.
         complete: whether it was not interrupted; else these are the branches that were followed before.
@@ -128,6 +130,7 @@ def diagram(
     processes: int = 1,
     fix: str | Held = "area,volume",
     refused: Refused = lambda branch, special: "",
+    nodes: int = 0,
 ) -> Diagram:
     """Follow branches from the cylinder, and from their branch points on, to a depth.
 
@@ -143,7 +146,10 @@ def diagram(
         modes: follow every family of these modes ``(m, n)``, wherever they begin. With neither, all pearls of ``k < 1``.
         processes: how many to work in; 0 for one a core.
         fix: what is held while stability is judged, as ``family_branch`` takes it, on all branches.
-        refused: of a branch and a branch point on it, why what crosses there is not to be followed; empty where it is.
+        refused: of a branch and a branch point on it, why what crosses there is not to be followed; empty where it is. Asked
+            of the end of a branch, too, before triangles take it over.
+        nodes: where reduced modes describe a branch no further, follow it on triangles with about so many vertices; 0 for
+            branches that end there.
 
     Returns:
         The branches. A branch point that was not located is skipped, and so is a branch that has been found before (it joins
@@ -153,7 +159,7 @@ def diagram(
         InputError: an argument that cannot be used.
     """
     tube = Tube(c0, length)
-    depth, processes = whole("depth", depth, 0), whole("processes", processes, 0)
+    depth, processes, nodes = whole("depth", depth, 0), whole("processes", processes, 0), whole("nodes", nodes, 0)
     if lambda2 is not None and modes is not None:
         raise InputError("modes", "modes and a range of lambda2 exclude each other", "give one of the two")
     wanted, held = _by_family(options), known_held(fix)
@@ -178,7 +184,15 @@ def diagram(
         for name in halves:
             progress(name)
         found |= dict(zip(halves, _done(list(halves.values()), processes), strict=False))
-        complete = not any(map(_interrupted, found.values())) and found.keys() == {*tasks, *halves}
+        meshes: dict[str, _Task] = {
+            f"{name} {MESH}": (_on_mesh, (branch, wanted[primary[name][0] if name in primary else MIXED], nodes))
+            for name, branch in found.items()
+            if nodes and _needs_a_mesh(branch, refused)
+        }
+        for name in meshes:
+            progress(name)
+        found |= dict(zip(meshes, _done(list(meshes.values()), processes), strict=False))
+        complete = not any(map(_interrupted, found.values())) and found.keys() == {*tasks, *halves, *meshes}
         tasks = {}
         for name, branch in found.items():
             if isinstance(branch, str):
@@ -201,8 +215,8 @@ def diagram(
     order = list(primary)
 
     def place(name: str) -> tuple[Any, ...]:
-        first, *further = name.split("/")
-        return order.index(first), *((int(part.split()[0]), part) for part in further)
+        first, *further = name.replace(f" {MESH}", "").split("/")
+        return (order.index(first), *((int(part.split()[0]), part) for part in further)), name
 
     return Diagram({name: branches[name] for name in sorted(branches, key=place)}, skipped, twins, complete)
 
@@ -290,13 +304,35 @@ def _secondary(
 SHRINK = "shrink"
 """Name of the half of a branch on which the tube shrinks at its centre."""
 
-ONE_SIDED = 1e-6
-"""Slope of the volume at a pitchfork, to the accuracy of differences."""
+MESH = "mesh"
+"""Name of what follows a branch on triangles, where reduced modes describe its shapes no further."""
+
+
+def _needs_a_mesh(branch: Branch[Any] | str, refused: Refused) -> bool:
+    if isinstance(branch, str) or branch.status not in (Status.FAILED, Status.LIMIT):
+        return False
+    return isinstance(branch.points[-1].problem, TubeProblem) and not refused(branch, branch.special[-1])
+
+
+def _on_mesh(branch: Branch[Any], options: BranchOptions, nodes: int) -> Branch[Any] | str:
+    """What follows a branch, on triangles."""
+    from pearlbvp.studies.mesh import taken_over  # the room of meshes is large, and few branches need it
+
+    try:
+        return taken_over(branch, options, nodes)
+    except InputError as error:
+        return error.why
+
+
+ONE_SIDED, ONE_SIDED_ON_MESH = 1e-6, 1e-2
+"""Slope of the volume at a pitchfork, to the accuracy of differences and of triangles."""
 
 
 def _has_two_sides(name: str, branch: Branch[Any]) -> bool:
     """Whether a branch leaves another at no pitchfork: its two halves are no images of each other, and volume goes through."""
-    return not name.endswith(" neck") and abs(branch.points[0].slopes.get("v", 0.0)) > ONE_SIDED
+    first = branch.points[0]
+    level = ONE_SIDED if first.problem.own_mesh(first.u) is None else ONE_SIDED_ON_MESH
+    return not name.endswith(" neck") and abs(first.slopes.get("v", 0.0)) > level
 
 
 def _children(name: str, branch: Branch[Any]) -> Iterable[tuple[str, int, SpecialPoint, Centre | None]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.path import correct_at
-from pearlbvp.continuation.problem import P, Problem
+from pearlbvp.continuation.problem import Problem
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
@@ -26,6 +26,7 @@ from pearlbvp.flows.record import Equilibrium, FlowResult
 from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.held import Held
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE
+from pearlbvp.membrane import MembraneProblem
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.graph import pearl_of_graph
 from pearlbvp.shapes.pearl import PearlProblem
@@ -40,6 +41,8 @@ from pearlbvp.units import Units
 if TYPE_CHECKING:
     from pearlbvp.flows.mesh import MeshFlow
     from pearlbvp.mesh.problem import MeshProblem
+
+M = TypeVar("M", bound=MembraneProblem)
 
 FEWEST_WAVES = 8
 """Periods or folds that a tube has at first; more are taken where the shape needs them."""
@@ -85,7 +88,9 @@ def described(end: Equilibrium) -> str:
     }.get(position.family, f"a {hand}{position.family}{' tube' if position.family == 'mixed' else ''}")
 
 
-def solution_of(end: Equilibrium, unlike: float = UNLIKE) -> tuple[PearlProblem | TubeProblem | MeshProblem, Array]:
+def solution_of(
+    end: Equilibrium, unlike: float = UNLIKE, judged: bool = False
+) -> tuple[PearlProblem | TubeProblem | MeshProblem, Array]:
     """The end of a flow as a point of a branch of its family, by Newton's method in the space of its symmetry.
 
     Axisymmetric shapes with a plane of reflection become pearls in arclength, triangulated tubes stay what they are, and all
@@ -95,10 +100,12 @@ def solution_of(end: Equilibrium, unlike: float = UNLIKE) -> tuple[PearlProblem 
     Args:
         end: where the flow came to rest.
         unlike: relative difference of the energies of both that its few modes explain, of tubes in modes.
+        judged: whether its stability is to be computed, of tubes in modes.
 
     Raises:
         InputError: it is no equilibrium, or the straight tube, or an axisymmetric graph without a plane of reflection, or
             Newton's method fails.
+        SpectrumError: its stability would take too many modes.
     """
     _check(end)
     held = Held(volume=end.problem.law != "area")
@@ -114,7 +121,7 @@ def solution_of(end: Equilibrium, unlike: float = UNLIKE) -> tuple[PearlProblem 
         cosines = [position.known.get(Mode("sigma", p), 0.0) for p in range(end.problem.size[0] + 1)]
         pearls, u = _pearls(end, np.array(cosines), 1e-10)
         return replace(pearls, held=held), u
-    return _tubes(end, position, held, unlike)
+    return _tubes(end, position, held, unlike, judged)
 
 
 def similarity(end: Equilibrium) -> Units:
@@ -133,7 +140,7 @@ def _check(end: Equilibrium) -> None:
 
 
 def _tubes(
-    end: Equilibrium, position: StandardPosition, held: Held, unlike: float = UNLIKE
+    end: Equilibrium, position: StandardPosition, held: Held, unlike: float, judged: bool
 ) -> tuple[TubeProblem, Array]:
     """The similar tube of area ``2 pi L`` in the modes of its symmetry, by Newton's method at its reduced volume."""
     found, symmetry = end.observables, position.symmetry
@@ -145,7 +152,7 @@ def _tubes(
     problem = TubeProblem(symmetry, tube.c0, tube.length, (along, around), tolerance=tolerance, held=held)
     problem = problem.pinned_at(dict(zip(problem.modes, problem.packed(known), strict=True)))
     u = _at_its_volume(problem, np.append(problem.packed(known), _parameters(found, similar)))
-    problem, u = resolved(problem, u)
+    problem, u = resolved(problem, u, judged)
     energy = problem.observables(u)["E"]
     if abs(energy - similar.from_user("E", found["E"])) > unlike * abs(energy):
         raise InputError("flow", "Newton's method left its end for another equilibrium", "let it flow on more modes")
@@ -158,13 +165,24 @@ def _parameters(found: Mapping[str, float], similar: Units) -> Array:
     return np.array([*multipliers, similar.from_user("volume_by_length", found["v"])])
 
 
-def resolved(problem: P, u: Array) -> tuple[P, Array]:
-    """The solution on as many modes, or as fine a mesh, as it needs, at its reduced volume."""
+def resolved(problem: M, u: Array, judged: bool = False) -> tuple[M, Array]:
+    """The solution on as many modes, or as fine a mesh, as it needs, at its reduced volume.
+
+    Args:
+        problem, u: the solution.
+        judged: whether its stability is to be computed.
+
+    Raises:
+        InputError: Newton's method failed on the way.
+        SpectrumError: its stability would take too many modes.
+    """
     for _ in range(MOST_REMESHES):
         changed = problem.remesh(u)
         if changed is None:
             break
         problem, (u,) = changed
+        if judged:
+            problem.check_spectrum(u)
         u = _at_its_volume(problem, u)
     return problem, u
 

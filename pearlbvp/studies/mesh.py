@@ -135,3 +135,20 @@ def branch_from(
     problem = problem.symmetric(u)
     start = Solution.along(problem, u, tangent_along(problem, u, direction))
     return continue_branch(start, known_options(options))
+
+
+def taken_over(branch: Branch[Any], options: BranchOptions, nodes: int = NODES) -> Branch[MeshProblem]:
+    """What follows the end of a branch that was computed otherwise, on a mesh: in the direction in which it was followed.
+
+    It begins at the last shape's volume, where the energies of both differ by the mesh's error.
+
+    Args:
+        branch: of any family.
+        options: where to stop and how to step.
+        nodes: vertices of the mesh.
+
+    Raises:
+        InputError: so few nodes do not hold the last shape, or that is the straight tube.
+    """
+    last = branch.points[-1]
+    return branch_from(*meshed(last, nodes), options, upwards=last.slopes["v"] > 0)

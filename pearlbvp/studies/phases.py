@@ -16,34 +16,27 @@ import pandas as pd
 
 from pearlbvp.continuation.branch import Branch, SpecialPoint, Status
 from pearlbvp.continuation.following import BranchOptions
-from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError, Interruption
-from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, WaveNumbers, cylinder_energy, known_tube, whole
+from pearlbvp.helfrich import Tube, WaveNumbers, known_tube, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.studies.branch import branch_options
-from pearlbvp.studies.diagram import ENDS, diagram
+from pearlbvp.studies.diagram import ENDS, MESH, diagram
 from pearlbvp.studies.search import Search
 from pearlbvp.studies.shape import both_ways
-from pearlbvp.studies.stretches import SAME_VOLUME, Piece, curves_of, distinct, is_same
-from pearlbvp.studies.transitions import STRAIGHT, Part, least_parts, ranges, transitions
-from pearlbvp.theory.dispersion import critical_lambda2, stable_interval
+from pearlbvp.studies.stable_shapes import MOST_UNSTABLE, at_volumes, interrupted, largest_volume
+from pearlbvp.studies.stretches import SAME_VOLUME, Piece, curves_of, distinct
+from pearlbvp.studies.transitions import Part, least_parts, ranges, transitions
+from pearlbvp.theory.dispersion import critical_lambda2
 
-COLUMNS = ["v", "branch", "family", "symmetry", "rank", "E", "excess", "lambda1", "lambda2", "force", "n_unstable", "mu_crit",
-           "critical", "amplitude", "r_min", "r_max", "c0", "L", "branches", "depth", "message", "starts", "rest_here",
-           "origin", "multiplicity"]  # fmt: skip
-OBSERVED = ("E", "lambda1", "lambda2", "force", "amplitude", "r_min", "r_max")
+NODES = 3000
+"""Vertices of the triangles on which branches go on that reduced modes describe no further."""
 
 MODES = 4
 """Modes of branches that lead to volumes below 1, by increasing ``lambda2``, whose families are followed by default."""
 
-NONE = "no stable shape was found; follow to a larger depth, or where more directions are unstable"
-
 LOWEST_TURN = 0.9
 """Volume down to which pearls are followed even where only larger ones are asked for, for they may turn."""
-
-MOST_UNSTABLE = 2
-"""Unstable directions on a branch up to which what crosses it there is followed."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +107,7 @@ class Phases:
         words = f"{len(self.branches)} branches to depth {self.depth}"
         if self.starts:
             words += f", and where {sum(self.rested.values())} of {self.starts} random starts came to rest"
-        return f"{words}; {_interrupted(self.lacking)}" if self.lacking else words
+        return f"{words}; {interrupted(self.lacking)}" if self.lacking else words
 
     def shapes(self, v: float) -> dict[str, Solution[Any]]:
         """The stable shapes of a volume of the table by name, the least first."""
@@ -133,6 +126,7 @@ def phases(
     flows: bool = False,
     starts: int = 0,
     seed: int = 0,
+    nodes: int = NODES,
     processes: int = 1,
     progress: Callable[[str], None] = lambda name: None,
 ) -> Phases:
@@ -147,6 +141,8 @@ def phases(
         flows: let shapes flow where they lose their stability, to see what they fall to.
         starts: random shapes that are relaxed, to find shapes on other branches, which are followed, too.
         seed: of the random shapes: the same seed, the same shapes.
+        nodes: where reduced modes describe a branch no further, follow it on triangles with about so many vertices; 0 for
+            branches that end there.
         processes: how many to work in; 0 for one a core.
         progress: called with the name of each branch before it is followed.
 
@@ -168,7 +164,7 @@ def phases(
     low, high = min(1.0, wanted[0]), max(1.0, wanted[-1])
     chosen = default_modes(tube, low < 1, high > 1) if modes is None else modes
     found = diagram(tube.c0, tube.length, depth, _options(low, high), progress, modes=chosen, processes=processes,
-                    refused=partial(_too_unstable, unstable))  # fmt: skip
+                    refused=partial(_too_unstable, unstable), nodes=nodes)  # fmt: skip
     lacking = [] if found.complete else ["not all branches were followed"]
     if not found.branches:
         if lacking:
@@ -183,9 +179,10 @@ def phases(
     found, everything = replace(found, branches=begun.branches), begun.pieces
     stretches, images = distinct([piece for piece in everything if piece.stable])
     alike = Counter((found.twins | images).values())
-    unfinished = {name: branch for name, branch in found.branches.items() if _ends_within(branch, low, high)}
+    ended = {name: branch for name, branch in found.branches.items() if f"{name} {MESH}" not in found.branches}
+    unfinished = {name: branch for name, branch in ended.items() if _ends_within(branch, low, high)}
     said = {name: branch.reason for name, branch in unfinished.items()}
-    table, solutions = _at_volumes(tube, wanted, stretches, unfinished, lacking)
+    table, solutions = at_volumes(tube, wanted, stretches, found.branches, unfinished, lacking)
     parts, stopped = list[Part](), Interruption()
     with stopped:
         parts = least_parts(stretches, wanted[0], wanted[-1], lambda what: said.update({what.partition(",")[0]: what}))
@@ -204,10 +201,6 @@ def phases(
         tube, table, events, solutions, ranges(parts), curves, found.branches, found.skipped, said, depth,
         begun.relaxed, begun.rested, begun.restless, begun.origins, lacking,
     )  # fmt: skip
-
-
-def _interrupted(lacking: Sequence[str]) -> str:
-    return f"interrupted: {', '.join(lacking)}"
 
 
 def _search(
@@ -240,15 +233,6 @@ def _falls(everything: Sequence[Piece], stretches: Sequence[Piece], piece: Piece
 
 def _no_falls(piece: Piece, upper: bool) -> list[str]:
     return []
-
-
-def largest_volume(tube: Tube) -> float:
-    """Reduced volume that no tube of that area exceeds: of the straight tube, or of one sphere where that is larger.
-
-    Of given area these two hold most in a space that is periodic along one axis (Pedrosa and Ritore, Indiana Univ. Math. J. 48
-    (1999) 1357).
-    """
-    return max(1.0, math.sqrt(2 * tube.length) / 3)
 
 
 def known_volumes(tube: Tube, volumes: float | str | Iterable[float]) -> list[float]:
@@ -301,81 +285,3 @@ def _ends_within(branch: Branch[Any], low: float, high: float) -> bool:
     """Whether a branch ends where it could go on, at a volume within the range."""
     whole = (Status.REACHED, Status.GIVEN, Status.PITCHFORK)
     return branch.status not in whole and low < branch.points[-1].value("v") < high
-
-
-def _misses(tube: Tube, branch: Branch[Any], v: float) -> bool:
-    """Whether a volume that its shapes could have lies beyond the end of a branch, where they may be stable."""
-    last = branch.points[-1]
-    end, before = (branch.points[i].value("v") for i in (-1, max(len(branch.points) - 2, 0)))
-    most = largest_volume(Tube(tube.c0, tube.length / max(last.problem.repeats[0], 1)))
-    return (v - end) * (end - before) > 0 and v < most and last.spectrum.n_unstable <= MOST_UNSTABLE
-
-
-# At given volumes.
-
-
-def _at_volumes(
-    tube: Tube, volumes: Sequence[float], stretches: Sequence[Piece], unfinished: Mapping[str, Branch[Any]],
-    lacking: list[str],
-) -> tuple[pd.DataFrame, dict[tuple[float, str], Solution[Any]]]:  # fmt: skip
-    """The table, and the shapes in it; to what is lacking, which each row says, is added what of the table is."""
-    tables: list[list[dict[str, Any]]] = []
-    solutions: dict[tuple[float, str], Solution[Any]] = {}
-    before, stopped = [_interrupted(lacking)] * bool(lacking), Interruption()
-    with stopped:
-        for v in volumes:
-            said = [
-                f"{name} was not followed to here" for name, branch in unfinished.items() if _misses(tube, branch, v)
-            ]
-            found, failed = _stable_at(v, stretches)
-            here = [_row(name, shape) for name, shape in found.items()]
-            if abs(v - 1) <= SAME_VOLUME and stable_interval(tube).exists:
-                here.append(_straight_row(tube))
-            here.sort(key=lambda row: float(row["E"]))
-            message = "; ".join([*[NONE] * (not here), *before, *said, *failed])
-            ranks = [{"rank": i, "excess": row["E"] - here[0]["E"]} for i, row in enumerate(here, start=1)]
-            rows = [row | rank for row, rank in zip(here, ranks, strict=True)] or [{"branch": ""}]
-            solutions |= {(v, name): shape for name, shape in found.items()}
-            tables.append([{"v": v, **row, "message": message} for row in rows])
-    lacking += [f"{len(tables)} of {len(volumes)} volumes are in the table"] * stopped.happened
-    return pd.DataFrame([row for rows in tables for row in rows], columns=COLUMNS), solutions
-
-
-def _stable_at(v: float, stretches: Sequence[Piece]) -> tuple[dict[str, Solution[Any]], list[str]]:
-    """The stable shapes of a volume by name, each once, and what could not be computed; the straight tube is none of them."""
-    found: dict[str, Solution[Any]] = {}
-    failed = []
-    for piece in stretches:
-        if not piece.low - SAME_VOLUME <= v <= piece.high + SAME_VOLUME:
-            continue
-        try:
-            shape = piece.at(v)
-        except PathEnd as error:
-            failed.append(f"{piece.name}: {error.args[0]}")
-            continue
-        if shape.value("amplitude") < SMALLEST_AMPLITUDE:  # the straight tube, which is a shape of its own
-            continue
-        if shape.spectrum.n_unstable == 0 and not any(is_same(shape, other) for other in found.values()):
-            found[f"{piece.name} again" if piece.name in found else piece.name] = shape
-    return found, failed
-
-
-def _straight_row(tube: Tube) -> dict[str, Any]:
-    """The straight tube, whose multipliers are no numbers: at each of an interval of them it is stable."""
-    return {"branch": STRAIGHT, "family": "cylinder", "symmetry": symmetry(0, 0), "E": cylinder_energy(tube.c0),
-            "n_unstable": 0, "amplitude": 0.0, "r_min": 1.0, "r_max": 1.0}  # fmt: skip
-
-
-def _row(name: str, shape: Solution[Any]) -> dict[str, Any]:
-    spectrum = shape.spectrum
-    return {
-        "branch": name, "family": shape.problem.family, "symmetry": symmetry(*shape.problem.repeats),
-        **{column: shape.observables[column] for column in OBSERVED},
-        "n_unstable": spectrum.n_unstable, "mu_crit": spectrum.mu_crit, "critical": str(spectrum.critical),
-    }  # fmt: skip
-
-
-def symmetry(periods: int, folds: int) -> str:
-    """Equal periods along and folds around a tube in words: ``2 periods, axisymmetric``, or ``1 period`` with one fold."""
-    along = f"{periods} period{'s' * (periods > 1)}" if periods else "uniform along x"
-    return along + {0: ", axisymmetric", 1: ""}.get(folds, f", {folds}-fold")

@@ -154,7 +154,9 @@ def _lower(shape: Solution[Any], start: Start) -> Solution[Any]:
             landscape = TubeLandscape(begun.problem, start.v)
             found = _minimum(least(landscape, begun.perturbed("critical", PUSH), tolerance=ROUGH))
             shape = computed(*_of_modes(landscape, found))
-        except (InputError, PathEnd, SpectrumError, np.linalg.LinAlgError):
+        except SpectrumError:  # on more modes it would take as many
+            break
+        except (InputError, PathEnd, np.linalg.LinAlgError):
             continue
     return shape
 
@@ -169,7 +171,8 @@ ROUGH = 1e-6
 def _of_modes(landscape: TubeLandscape, found: Minimum) -> tuple[Any, Any]:
     if landscape.flow.trouble(found.q) is not None:
         raise PathEnd("its sections across the axis no longer describe it")
-    return solution_of(Equilibrium(landscape.flow, found.q, found.multipliers, True, np.array([0.0])), COARSE)
+    end = Equilibrium(landscape.flow, found.q, found.multipliers, True, np.array([0.0]))
+    return solution_of(end, COARSE, judged=True)
 
 
 def search(

@@ -14,6 +14,7 @@ from pearlbvp.continuation.branch import Status
 from pearlbvp.continuation.path import PathEnd
 from pearlbvp.errors import InputError, Interruption
 from pearlbvp.helfrich import Tube
+from pearlbvp.studies.diagram import MESH
 from pearlbvp.studies.stretches import Piece, equal_energies
 
 COLUMNS = ["v", "event", "branch", "other", "E", "E_other", "lambda2", "lambda2_other", "special", "critical", "falls_to",
@@ -113,11 +114,11 @@ def transitions(
     """
     rows: list[dict[str, Any]] = []
     with stopped:
-        rows += (_change(*pair) for pair in pairwise(parts))
+        rows += (_change(before, after) for before, after in pairwise(parts) if not _is_one(before.name, after.name))
         for piece in stretches:
             for upper, number, event in zip((False, True), piece.ends, ("stable", "unstable"), strict=True):
                 point = piece.branch.points[number]
-                if ends[0] < point.value("v") < ends[1] and "stop" not in piece.branch.kinds(number):
+                if ends[0] < point.value("v") < ends[1] and not _goes_on(piece, number, names):
                     row = _of_stability(piece, number, event, stretches, names)
                     rows.append(row)
                     try:
@@ -128,6 +129,18 @@ def transitions(
     table = pd.DataFrame(rows, columns=COLUMNS)
     words = table[["other", "special", "critical", "falls_to", "message"]].astype(object).fillna("")
     return table.assign(c0=tube.c0, L=tube.length, **words)
+
+
+def _goes_on(piece: Piece, number: int, names: Sequence[str]) -> bool:
+    """Whether a branch goes on beyond a point, where it was told to stop or triangles take it over from modes."""
+    if "stop" in piece.branch.kinds(number) or (number == 0 and piece.name.endswith(f" {MESH}")):
+        return True
+    return number == len(piece.branch.points) - 1 and f"{piece.name} {MESH}" in names
+
+
+def _is_one(one: str, other: str) -> bool:
+    """Whether the names are those of two parts of a branch, in modes and on triangles."""
+    return one != other and one.removesuffix(f" {MESH}") == other.removesuffix(f" {MESH}")
 
 
 def _change(before: Part, after: Part) -> dict[str, Any]:

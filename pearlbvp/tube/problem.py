@@ -260,6 +260,10 @@ class TubeProblem(TubeShapes):
             )
         return blocks
 
+    def check_spectrum(self, u: Array) -> None:
+        """Refuse growth rates that would take too many modes."""
+        self._blocks(self._reach(u), u)
+
     def _fewer(self, u: Array) -> str:
         """What makes fewer perturbations grow: their number is that of waves up to ``_largest``, or of the shape's own."""
         p, period, fold = self.parameters(u), self.symmetry.period or self.symmetry.turns, self.symmetry.fold

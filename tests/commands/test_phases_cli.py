@@ -10,7 +10,7 @@ from support.commands import is_png, run
 
 import pearlbvp as pb
 from pearlbvp.studies import transitions
-from pearlbvp.studies.phases import COLUMNS
+from pearlbvp.studies.stable_shapes import COLUMNS
 from pearlbvp.studies.transitions import COLUMNS as EVENTS
 
 TUBE = ["--c0", "0.48", "--length", "15", "--mode", "2,0", "--starts", "4", "--processes", "1"]

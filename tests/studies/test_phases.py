@@ -7,15 +7,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import pearlbvp as pb
 from pearlbvp.errors import InputError
 from pearlbvp.figures.phases import draw_phases
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.localized import localized_pearls
-from pearlbvp.studies.phases import COLUMNS, STRAIGHT, default_modes, largest_volume, phases
+from pearlbvp.studies.phases import default_modes, phases
 from pearlbvp.studies.ring_onsets import neutral_rings
+from pearlbvp.studies.stable_shapes import COLUMNS, largest_volume
 from pearlbvp.studies.stretches import pieces
 from pearlbvp.studies.transitions import COLUMNS as EVENTS
+from pearlbvp.studies.transitions import STRAIGHT
 from pearlbvp.theory.elastica import ring_at
+from pearlbvp.tube import perturbations
 
 AUTO = pd.read_csv(Path(__file__).parents[1] / "data" / "auto07p_pearl_c0_0_L10_m1.csv")
 
@@ -172,3 +176,45 @@ def test_no_tube_holds_more_than_a_sphere_or_a_cylinder():
 def test_mistakes(arguments, named):
     with pytest.raises(InputError, match=f"^{named}"):
         phases(*arguments)
+
+
+@pytest.fixture
+def costly(monkeypatch):
+    """Spectra may cost so little that the wrinkled ring has none below ``v = 0.864``; called, as much as usual again."""
+    perturbations.blocks_up_to.cache_clear()
+    monkeypatch.setattr(perturbations, "MOST_WORK", 4e8)
+
+    def usual():
+        monkeypatch.undo()
+        perturbations.blocks_up_to.cache_clear()
+
+    yield usual
+    usual()
+
+
+def test_triangles_take_a_branch_over_where_modes_end(costly):
+    found = phases(Tube(-1, 10), [0.7, 0.84, 0.87], modes=[(0, 2)], nodes=500)
+    costly()
+    exact = pb.branch(Tube(-1, 10), "ring", (0, 2), until={"v": 0.87}).switch(1, until={"v": 0.84})[-1]
+    assert exact.observables["v"] == pytest.approx(0.84, abs=1e-12)
+    row = found.table.iloc[1]
+    assert (row["branch"], row["family"], row["symmetry"]) == ("ring 0:2/1 mesh", "mesh", "1 period, 2-fold")
+    joint = found.branches["ring 0:2/1"].points[-1], found.branches["ring 0:2/1 mesh"].points[0]
+    assert joint[0].value("v") == pytest.approx(joint[1].value("v"), abs=1e-12)
+    gap = joint[1].value("E") - joint[0].value("E")
+    assert f"where it begins its E is {gap:+.1e} beside that of ring 0:2/1" in row["message"]
+    # The mesh's error, of either place.
+    assert 0 < gap < 2e-3
+    assert gap / 3 < row["E"] - exact.observables["E"] < 3 * gap
+    assert row["lambda2"] == pytest.approx(exact.observables["lambda2"], abs=5e-2)
+    # One branch in two parts: nothing happens where they meet. On 3,000 and 4,000 vertices it ends at 0.71519 and 0.71516.
+    assert list(found.ranges["branch"]) == ["", "ring 0:2/1 mesh", "ring 0:2/1"]
+    assert list(found.transitions["event"]) == ["jump", "stable"]
+    assert found.transitions["v"].to_numpy() == pytest.approx(0.7152, abs=8e-3)
+    assert not found.unfinished
+
+
+def test_without_triangles_a_branch_ends_where_its_modes_do(costly):
+    found = phases(Tube(-1, 10), [0.84, 0.87], modes=[(0, 2)], nodes=0)
+    assert list(found.table["branch"]) == ["", "ring 0:2/1"]
+    assert "ring 0:2/1 was not followed to here" in found.table["message"].iloc[0]
