@@ -319,7 +319,7 @@ def _on_mesh(branch: Branch[Any], options: BranchOptions, nodes: int) -> Branch[
     from pearlbvp.studies.mesh import taken_over  # the room of meshes is large, and few branches need it
 
     try:
-        return taken_over(branch, options, nodes)
+        return kept(lambda watched: taken_over(branch, watched, nodes), options)
     except InputError as error:
         return error.why
 
