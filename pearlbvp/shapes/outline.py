@@ -16,11 +16,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import Discretization, gauss_scheme
 from pearlbvp.collocation.mesh import equidistribute
 from pearlbvp.collocation.polynomial import PiecewisePolynomial, all_points
+from pearlbvp.continuation.path import PathEnd
+from pearlbvp.helfrich import Tube
+from pearlbvp.minimum import least
 from pearlbvp.newton import NewtonOptions, newton
 from pearlbvp.shapes.cells import HALF_CELL
 from pearlbvp.shapes.pearl import PearlProblem
@@ -58,6 +62,11 @@ class Outline:
     v: float
     waves: int = 32
 
+    @classmethod
+    def on(cls, tube: Tube, v: float) -> Outline:
+        """Outlines of one period of a tube, with waves enough for pearls."""
+        return cls(tube.c0, tube.length / 2, v, max(32, math.ceil(2.4 * tube.length)))
+
     @cached_property
     def scales(self) -> Array:
         """Bending energy has the squares of the angle's derivatives."""
@@ -70,6 +79,10 @@ class Outline:
         b, length = q[:-2], float(q[-1])
         psi = sines @ b
         return psi, slopes @ b, q[-2] + length * (integral @ np.sin(psi)), length
+
+    def radii(self, q: Array) -> Array:
+        """At the points, shape (M,)."""
+        return self._points(q)[2]
 
     def _curvature(self, q: Array) -> tuple[Array, Array]:
         """``h - c0`` and its derivatives by ``psi, psi', r, S``, shape (4, M)."""
@@ -195,6 +208,22 @@ class Outline:
             default=np.append(np.zeros(self.waves), [1.0, self.half]),
         )
 
+    def of_radius(self, cosines: Array) -> Array:
+        """Coordinates of the graph ``r = a_0 + sum of a_k cos(pi k x / l)``, as far as the waves hold it.
+
+        Args:
+            cosines: ``a_1, a_2, ...``; the mean radius ``a_0`` is that of the right volume, where there is one.
+        """
+        x = np.linspace(0, self.half, 8 * self.waves + 1)
+        k = np.pi * np.arange(1, len(cosines) + 1) / self.half
+        mean = math.sqrt(max(self.v - float(cosines @ cosines) / 2, NARROWEST))
+        slope = -np.sin(np.outer(x, k)) @ (k * cosines)
+        s = CubicSpline(x, np.hypot(1, slope)).antiderivative()(x)
+        sines = _matrices(self.waves)[0]
+        middles = (np.arange(len(sines)) + 0.5) / len(sines)
+        psi = np.arctan(CubicSpline(s / s[-1], slope)(middles))
+        return np.concatenate((2 / len(sines) * (psi @ sines), [mean + cosines.sum(), s[-1]]))
+
     def sphere_on_tether(self) -> Array:
         """Coordinates of a sphere at the first plane of reflection, and a tether to the other (``shapes.sphere_on_tether``).
 
@@ -236,6 +265,43 @@ class Outline:
         h = (cosine / r - by) / 2
         w = (-sine * by / r - cosine * sine / r**2 - by2) / 2
         return np.column_stack((r, at, h, w))
+
+
+class StraightEnd(PathEnd):
+    """Downhill lies the straight tube, of which nothing branches off that way."""
+
+
+def downhill(outline: Outline, q: Array, *, cells: int = 1, tolerance: float = 1e-9) -> tuple[PearlProblem, Array]:
+    """The equilibrium of least energy that lies downhill from an outline.
+
+    Args:
+        outline, q: where to start; it need not have the length, area and volume that are wanted.
+        cells: such periods on the tube.
+        tolerance: of the profile.
+
+    Raises:
+        PathEnd: there is none.
+        StraightEnd: it is the straight tube.
+    """
+    found = least(outline, q)
+    if not found.reason and np.abs(found.q[-8:-2]).max() > TAIL:
+        outline, q = outline.finer(found.q)
+        found = least(outline, q)
+    if np.ptp(outline.radii(found.q)) < 2 * STRAIGHT:  # where length, area and volume are one, and no minimum is isolated
+        raise StraightEnd("it came to the straight tube")
+    if found.reason:
+        raise PathEnd(found.reason)
+    problem, u, why = pearl_of_outline(outline, found.q, found.multipliers, cells=cells, tolerance=tolerance)
+    if why:
+        raise PathEnd(f"the outline of least energy led to no equilibrium ({why})")
+    return problem, u
+
+
+TAIL = 1e-4
+"""Size of an outline's last waves at which it is relaxed on twice as many, once."""
+
+STRAIGHT = 1e-3
+"""Amplitude up to which an outline of least energy is the straight tube: of others the volume is at least 5e-7 from 1."""
 
 
 def pearl_of_outline(

@@ -21,7 +21,7 @@ from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.unduloid import Unduloid, unduloid_of, unduloid_pearl
 from pearlbvp.studies.branch import branch_options, family_branch
-from pearlbvp.studies.pearl_starts import FAR, LONG, SHORT, THIN, downhill, thin_necked
+from pearlbvp.studies.pearl_starts import FAR, LONG, SHORT, THIN, stable_downhill, thin_necked
 from pearlbvp.studies.starts import branch_of
 from pearlbvp.studies.stretches import NEAR, pieces
 from pearlbvp.studies.unduloids import beside
@@ -99,7 +99,7 @@ def equal_pearls(c0: float, period: float, *, starts: int = STARTS, seed: int = 
             branches.append(continue_branch(away, _options(period, unduloid, LONG)))
     known = [piece for branch in branches for piece in pieces("known", branch)]
     v = 1.0 if unduloid is None else unduloid.v
-    for shape in (*thin_necked(c0, period), *downhill(tube, v, starts, seed)):
+    for shape in (*thin_necked(c0, period), *stable_downhill(tube, v, starts, seed)):
         if not branch_of(shape, known):
             branches.append(_both_ways(shape, unduloid))
             known += pieces("known", branches[-1])

@@ -28,7 +28,7 @@ from pearlbvp.held import Held
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE
 from pearlbvp.membrane import MembraneProblem
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.shapes.graph import pearl_of_graph
+from pearlbvp.shapes.outline import Outline, pearl_of_outline
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.branch import known_options
 from pearlbvp.studies.flow_start import UNLIKE
@@ -140,7 +140,7 @@ def _check(end: Equilibrium) -> None:
 
 
 def _tubes(
-    end: Equilibrium, position: StandardPosition, held: Held, unlike: float, judged: bool
+    end: Equilibrium, position: StandardPosition, held: Held, unlike: float = UNLIKE, judged: bool = False
 ) -> tuple[TubeProblem, Array]:
     """The similar tube of area ``2 pi L`` in the modes of its symmetry, by Newton's method at its reduced volume."""
     found, symmetry = end.observables, position.symmetry
@@ -274,8 +274,12 @@ def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlPr
     if pearls == 0:
         raise InputError(*STRAIGHT)
     tube = similar.tube(end.problem.c0, end.problem.length / pearls)
-    v, cosines = similar.from_user("volume_by_length", found["v"]), similar.from_user("r", cosines[::pearls])
-    problem, u, why = pearl_of_graph(tube, v, cosines, tolerance=tolerance)
+    lambda1, lambda2, v = _parameters(found, similar)
+    cosines = similar.from_user("r", cosines[::pearls])
+    last = int(np.flatnonzero(np.abs(cosines) > NEGLIGIBLE).max())
+    outline = replace(Outline.on(tube, v), waves=max(32, 2 * last))
+    multipliers = np.array([0.0, lambda1, lambda2 / 2])
+    problem, u, why = pearl_of_outline(outline, outline.of_radius(cosines[1:]), multipliers, tolerance=tolerance)
     if why:
         raise InputError("flow", f"its end led to no equilibrium of the arclength problem ({why})")
     return resolved(replace(problem, cells=pearls), u)

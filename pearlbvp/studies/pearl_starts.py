@@ -11,13 +11,13 @@ from functools import cache
 import numpy as np
 
 from pearlbvp.continuation.following import continue_branch
-from pearlbvp.continuation.path import correct_at
+from pearlbvp.continuation.path import PathEnd, correct_at
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.shapes.graph import pearl_of_graph, relaxed
+from pearlbvp.shapes.outline import Outline, downhill
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.shapes.unduloid import unduloid_of
 from pearlbvp.studies.branch import branch_options, family_branch
@@ -90,7 +90,7 @@ NARROW = 0.06
 """Radius of these necks."""
 
 
-def downhill(tube: Tube, v: float, starts: int, seed: int) -> Iterator[Solution[PearlProblem]]:
+def stable_downhill(tube: Tube, v: float, starts: int, seed: int) -> Iterator[Solution[PearlProblem]]:
     """Stable pearls downhill from smooth ones, which have others of less energy beside them, and from random shapes.
 
     Args:
@@ -105,15 +105,10 @@ def downhill(tube: Tube, v: float, starts: int, seed: int) -> Iterator[Solution[
         share = (i + 0.5) / starts
         yield from _stable_equal(at_rest(Start(tube, low + share * (high - low), (seed, i), True)))
         smooth = v - NEARER + share * (max(v, (v + high) / 2) - v + NEARER)
-        try:
-            amplitudes, why = relaxed(tube, smooth, SMOOTH)
-            if why:
-                continue
-            problem, u, why = pearl_of_graph(tube, smooth, amplitudes)
-            if not why:
-                yield from _stable_equal(Solution(problem, u, u).computed())
-        except (SpectrumError, np.linalg.LinAlgError):
-            continue
+        outline = Outline.on(tube, smooth)
+        with suppress(PathEnd, SpectrumError, np.linalg.LinAlgError):
+            problem, u = downhill(outline, outline.of_radius(SMOOTH))
+            yield from _stable_equal(Solution(problem, u, u).computed())
 
 
 def _stable_equal(shape: Solution[PearlProblem] | str) -> Iterator[Solution[PearlProblem]]:

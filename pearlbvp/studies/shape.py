@@ -11,19 +11,17 @@ import numpy as np
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, Status
 from pearlbvp.continuation.following import BranchOptions, continue_branch
+from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.held import Held, known_held
 from pearlbvp.helfrich import Tube, finite, positive, whole
 from pearlbvp.membrane import checked_tolerance
-from pearlbvp.shapes.graph import pearl_of_graph, relaxed
+from pearlbvp.shapes.outline import Outline, StraightEnd, downhill
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.branch import known_options
 from pearlbvp.units import Sentence
-
-NO_SHAPE = 1e-3
-"""Amplitude up to which the shape of least energy is the straight tube: of others the volume is at least 5e-7 from 1."""
 
 
 def shape_branch(
@@ -63,22 +61,18 @@ def shape_branch(
         guess = np.array([finite("shape", value) for value in cosines])
     except TypeError:
         raise InputError("shape", f"{cosines!r} must be a list of cosines' amplitudes", "give one like [0.1]") from None
-    amplitudes, why = relaxed(tube, v, guess)
-    if why:
-        raise InputError("shape", why)
-    near = float(np.abs(amplitudes[1:]).max())
-    if near > NO_SHAPE:
-        problem, u, why = pearl_of_graph(tube, v, amplitudes, tolerance=tolerance)
-        if why:
-            raise InputError("shape", f"the shape of least energy led to no equilibrium ({why})", "try other cosines")
-        near = problem.observables(u)["amplitude"]
-    if near <= NO_SHAPE:
+    outline = Outline.on(tube, v)
+    try:
+        problem, u = downhill(outline, outline.of_radius(guess), cells=cells, tolerance=tolerance)
+    except StraightEnd:
         raise InputError(
             "shape",
             "downhill from it at this volume lies the straight tube, where branches cross",
             "give other cosines or another volume, or leave it out for the pearls that leave the tube",
-        )
-    problem = replace(problem, held=held, cells=cells)
+        ) from None
+    except PathEnd as error:
+        raise InputError("shape", str(error.args[0]), "give other cosines or another volume") from None
+    problem = replace(problem, held=held)
     held.check(problem.observables(u))
     return both_ways(problem, u, options, options)
 

@@ -12,8 +12,7 @@ from pearlbvp.continuation.path import PathEnd
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Tube
-from pearlbvp.minimum import least
-from pearlbvp.shapes.outline import Outline, pearl_of_outline
+from pearlbvp.shapes.outline import Outline, downhill
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.search import Search
 from pearlbvp.studies.starts import branch_of, computed
@@ -44,11 +43,8 @@ def strings_of_spheres(
 
 def _string(tube: Tube, count: int, v: float) -> Solution[PearlProblem] | None:
     """The pearls that so many spheres of a volume come to downhill, as equal ones; None if to none."""
-    half = tube.length / (2 * count)
-    outline = Outline(tube.c0, half, v, max(32, math.ceil(4.8 * half)))
+    outline = Outline.on(Tube(tube.c0, tube.length / count), v)
     try:
-        minimum = least(outline, outline.sphere_on_tether())
-        problem, u, why = pearl_of_outline(outline, minimum.q, minimum.multipliers, cells=count)
-        return None if minimum.reason or why else computed(problem, u)
+        return computed(*downhill(outline, outline.sphere_on_tether(), cells=count))
     except (ValueError, PathEnd, SpectrumError, np.linalg.LinAlgError):
         return None

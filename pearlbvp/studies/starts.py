@@ -24,7 +24,7 @@ from pearlbvp.flows.record import Equilibrium
 from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.helfrich import Tube
 from pearlbvp.minimum import Minimum, least
-from pearlbvp.shapes.outline import Outline, pearl_of_outline
+from pearlbvp.shapes.outline import Outline, downhill
 from pearlbvp.studies.falls import are_one
 from pearlbvp.studies.flow_end import resolved, solution_of
 from pearlbvp.studies.flow_start import solution_start
@@ -37,9 +37,6 @@ LONGEST = 16.0
 
 NEAREST = 1e-3
 """Distance from the straight tube's volume, where area and volume are nearly parallel, at which starts are made at least."""
-
-TAIL = 1e-4
-"""Size of an outline's last waves at which it is relaxed on twice as many, once."""
 
 COARSE = 0.02
 """Relative difference of energies that the few modes of a relaxed tube explain."""
@@ -101,23 +98,8 @@ def _minimum(found: Minimum) -> Minimum:
 
 
 def _outline(start: Start) -> tuple[Any, Any]:
-    half = start.tube.length / 2
-    outline = Outline(start.tube.c0, half, start.v, max(32, math.ceil(2.4 * start.tube.length)))
-    found = _minimum(least(outline, outline.random(np.random.default_rng(start.seed))))
-    if np.abs(found.q[-8:-2]).max() > TAIL:
-        outline, q = outline.finer(found.q)
-        found = _minimum(least(outline, q))
-    waves = np.flatnonzero(np.abs(found.q[:-2]) > 1e-6) + 1
-    if not len(waves):
-        raise PathEnd("it came to the straight tube")
-    return resolved(*_converged(pearl_of_outline(outline, found.q, found.multipliers)))
-
-
-def _converged(found: tuple[Any, Any, str]) -> tuple[Any, Any]:
-    problem, u, why = found
-    if why:
-        raise PathEnd(UNPOLISHED)
-    return problem, u
+    outline = Outline.on(start.tube, start.v)
+    return resolved(*downhill(outline, outline.random(np.random.default_rng(start.seed))))
 
 
 def _tube(start: Start) -> tuple[Any, Any]:

@@ -95,3 +95,17 @@ def test_a_sphere_on_a_tether_has_its_area_and_volume(half, v):
     )
     with pytest.raises(ValueError, match="no sphere"):
         Outline(0.0, half, 2 / 3 * np.sqrt(half) * (1.01 if v > 1 else 0.99)).sphere_on_tether()
+
+
+def test_a_graph_becomes_an_outline_with_its_length_area_volume_and_energy():
+    half, c0, cosines = 4.0, 0.3, np.array([0.9, 0.3, -0.05, 0.02])
+    x = (np.arange(400) + 0.5) * half / 400
+    k = np.pi * np.arange(4) / half
+    r, r1, r2 = (np.cos(np.outer(x, k) + d * np.pi / 2) @ (cosines * k**d) for d in range(3))
+    stretch = np.sqrt(1 + r1**2)
+    bend = (1 / (r * stretch) - r2 / stretch**3) / 2 - c0
+    outline = Outline(c0, half, (r**2).mean(), 48)
+    q = outline.of_radius(cosines[1:])
+    assert outline.constraints(q) == pytest.approx([0.0, (r * stretch).mean() - 1, 0.0], abs=1e-7)
+    assert outline.energy(q) == pytest.approx((r * stretch * bend**2).mean(), abs=1e-6)
+    assert outline.radii(q)[0] == pytest.approx(cosines.sum(), abs=1e-2)

@@ -15,7 +15,7 @@ from pearlbvp.continuation.switching import crossing_direction
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.shapes.graph import pearl_of_graph, relaxed
+from pearlbvp.shapes.outline import Outline, downhill
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.stability.profile import Profile
 from pearlbvp.studies.branch import COLUMNS, branch_options, family_branch
@@ -254,12 +254,10 @@ def test_a_shape_that_leads_nowhere_is_said():
 
 
 def test_the_least_energy_shape_lies_on_the_continued_branch():
-    """Minimising a graph's energy at v = 1.1 finds the point of the pearl branch at v = 1.1 (c0 = 0, L = 10)."""
+    """Going downhill from a graph at v = 1.1 finds the point of the pearl branch at v = 1.1 (c0 = 0, L = 10)."""
     direct = family_branch(Tube(0.0, 10), "pearl", (1, 0), branch_options({"v": 1.1})).table().iloc[-1]
-    amplitudes, why = relaxed(Tube(0.0, 10), 1.1, np.array([0.4]))
-    assert why == ""
-    problem, u, why = pearl_of_graph(Tube(0.0, 10), 1.1, amplitudes)
-    assert why == ""
+    outline = Outline.on(Tube(0.0, 10), 1.1)
+    problem, u = downhill(outline, outline.of_radius(np.array([0.4])))
     for name in ("lambda1", "lambda2", "E", "r_min"):
         assert problem.observables(u)[name] == pytest.approx(direct[name], abs=1e-9)
 
