@@ -259,7 +259,8 @@ def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlPr
     v, cosines = similar.from_user("volume_by_length", found["v"]), similar.from_user("r", cosines[::pearls])
     problem, u, why = pearl_of_graph(tube, v, cosines, tolerance=tolerance)
     if why:
-        raise InputError("flow", f"its end led to no equilibrium of the arclength problem ({why})")
+        what = f"its end led to no equilibrium of the arclength problem ({why})"
+        raise InputError("flow", what, "let it rest to a smaller velocity, or flow on more points")
     return resolved(replace(problem, cells=pearls), u)
 
 
