@@ -7,13 +7,13 @@ Each name is imported when it is first asked for.
 """
 
 import os
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pearlbvp._version import __version__
+from pearlbvp.public import offered
 
 if TYPE_CHECKING:
-    from pearlbvp import atlas
+    from pearlbvp import atlas, theory
     from pearlbvp.branch_diagram import diagram
     from pearlbvp.branches import Branch, Solution
     from pearlbvp.bvp import continue_bvp, solve_bvp
@@ -58,6 +58,7 @@ _HOMES = {
     "scan": "scans.scan:scan",
     "solve_bvp": "bvp:solve_bvp",
     "stability_region": "studies.region:stability_region",
+    "theory": "theory:",
 }
 
 __all__ = [
@@ -84,17 +85,8 @@ __all__ = [
     "scan",
     "solve_bvp",
     "stability_region",
+    "theory",
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """A public name, from the room in which it lives."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'pearlbvp' has no attribute {name!r}; see dir(pearlbvp)")
-    room, _, found = _HOMES[name].partition(":")
-    module = import_module(f"pearlbvp.{room}")
-    return getattr(module, found) if found else module
-
-
-def __dir__() -> list[str]:
-    return __all__
+__getattr__, __dir__ = offered(__name__, _HOMES, "__version__")

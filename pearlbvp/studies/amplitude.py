@@ -19,7 +19,8 @@ from pearlbvp.force import with_force
 from pearlbvp.helfrich import Tube, WaveNumbers, mode_list, positive, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
-from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation, exchange_lengths, meeting_c0
+from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation
+from pearlbvp.theory.codimension_two import exchange_lengths, meeting_c0
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, stable_interval
 from pearlbvp.units import Sentence
 
