@@ -13,7 +13,7 @@ from pearlbvp._version import __version__
 from pearlbvp.public import offered
 
 if TYPE_CHECKING:
-    from pearlbvp import atlas, theory
+    from pearlbvp import atlas, meshes, theory
     from pearlbvp.branch_diagram import diagram
     from pearlbvp.branches import Branch
     from pearlbvp.bvp import continue_bvp, solve_bvp
@@ -57,6 +57,7 @@ _HOMES = {
     "growth": "studies.growth:growth",
     "load": "front:load",
     "localized_pearls": "studies.localized:localized_pearls",
+    "meshes": "meshes:",
     "pearl_periods": "studies.period:pearl_periods",
     "phases": "phase_diagram:phases",
     "plot_shapes": "front:plot_shapes",
@@ -89,6 +90,7 @@ __all__ = [
     "growth",
     "load",
     "localized_pearls",
+    "meshes",
     "pearl_periods",
     "phases",
     "plot_shapes",

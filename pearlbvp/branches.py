@@ -16,7 +16,7 @@ from pearlbvp.continuation import solution as solutions
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import WaveNumbers, whole
 from pearlbvp.messages import counted
-from pearlbvp.solutions import Solution, solution_of
+from pearlbvp.solutions import Solution
 from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class Branch(core.Branch[Any]):
         return len(self.points)
 
     def __iter__(self) -> Iterator[Solution]:
-        return map(solution_of, self.points)
+        return map(Solution.of, self.points)
 
     @overload
     def __getitem__(self, which: int) -> Solution: ...
@@ -96,9 +96,9 @@ class Branch(core.Branch[Any]):
             IndexError: there is no such point.
         """
         if isinstance(which, slice):
-            return [solution_of(point) for point in self.points[which]]
+            return [Solution.of(point) for point in self.points[which]]
         if not isinstance(which, str):
-            return solution_of(self.points[which])
+            return Solution.of(self.points[which])
         kind, _, number = which.rpartition(":")
         kind = kind if number.isdigit() else which
         if not _is_kind(kind):
@@ -108,12 +108,12 @@ class Branch(core.Branch[Any]):
                 "give one like 'bp', 'bp:2', 'fold:v', 'cmc' or 'end', or a number",
             )
         if kind == which:
-            return [solution_of(self.at(special)) for special in self.find(which)]
+            return [Solution.of(self.at(special)) for special in self.find(which)]
         found = self.find(kind)
         if not 1 <= int(number) <= len(found):
             there = counted(len(found), f"special point {kind}", f"special points {kind}")
             raise InputError("point", f"the branch has {there}, so there is no {which}", "follow it further")
-        return solution_of(self.at(found[int(number) - 1]))
+        return Solution.of(self.at(found[int(number) - 1]))
 
     def resume(self, until: Until | None = None, **how: Any) -> Branch:
         """Go on from the last point; this branch and what follows as one.

@@ -25,6 +25,12 @@ if TYPE_CHECKING:
 class Solution(solutions.Solution[Any]):
     """A point of a branch: ``observables``, ``spectrum``, ``slopes``, ``problem`` and ``u``, and the shape itself."""
 
+    @classmethod
+    def of(cls, found: solutions.Solution[Any]) -> Solution:
+        """A solution of the rooms below; growth rates that its branch has computed are not computed again."""
+        carried = {field.name: getattr(found, field.name) for field in fields(found)}
+        return cls(**carried | {"known": vars(found).get("spectrum", found.known)})
+
     def profile(self, samples: int = 400) -> pd.DataFrame:
         """The curve that the shape is made of, in radii: ``x, r, psi, H`` of pearls, sections of rings and coils.
 
@@ -66,7 +72,7 @@ class Solution(solutions.Solution[Any]):
         """
         from pearlbvp.studies.mesh import on_mesh
 
-        return solution_of(on_mesh(self, nodes, kind=discretization, fix=fix))
+        return Solution.of(on_mesh(self, nodes, kind=discretization, fix=fix))
 
     def growth_rates(self, n: int = 0, theta: float = 0.0) -> Array:
         """Growth rates of the perturbations ``e^{i n phi} e^{i theta x/period}`` of pearls, those of a rigid motion among them.
@@ -123,9 +129,3 @@ class Solution(solutions.Solution[Any]):
         own = self.problem.shapes.own_mesh(self.u)
         title = title or title_of(self)
         return draw_surfaces([self], [title], columns=1) if own is None else draw_mesh(own, title=title)
-
-
-def solution_of(found: solutions.Solution[Any]) -> Solution:
-    """The same with a profile and a surface; growth rates that the branch has computed are not computed again."""
-    carried = {field.name: getattr(found, field.name) for field in fields(found)}
-    return Solution(**carried | {"known": vars(found).get("spectrum", found.known)})
