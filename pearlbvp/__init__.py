@@ -7,27 +7,30 @@ Each name is imported when it is first asked for.
 """
 
 import os
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pearlbvp._version import __version__
+from pearlbvp.public import offered
 
 if TYPE_CHECKING:
-    from pearlbvp import atlas
+    from pearlbvp import atlas, meshes, theory
     from pearlbvp.branch_diagram import diagram
-    from pearlbvp.branches import Branch, Solution
+    from pearlbvp.branches import Branch
     from pearlbvp.bvp import continue_bvp, solve_bvp
     from pearlbvp.errors import InputError
-    from pearlbvp.front import amplitude, branch, dispersion, flow, load
+    from pearlbvp.front import amplitude, branch, dispersion, flow, load, plot_shapes, predicted_branch
     from pearlbvp.helfrich import Tube
+    from pearlbvp.instabilities import amplitude_map
     from pearlbvp.phase_diagram import phases
     from pearlbvp.scans.scan import scan
+    from pearlbvp.solutions import Solution
     from pearlbvp.studies.equilibria import equilibria
     from pearlbvp.studies.families import register
     from pearlbvp.studies.growth import growth
-    from pearlbvp.studies.localized import localized_pearls
+    from pearlbvp.studies.localized import PeriodicPearls, localized_pearls
     from pearlbvp.studies.period import pearl_periods
     from pearlbvp.studies.region import stability_region
+    from pearlbvp.studies.ring_onsets import ring_onsets
     from pearlbvp.units import Units
 
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"):
@@ -38,10 +41,12 @@ for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "
 _HOMES = {
     "Branch": "branches:Branch",
     "InputError": "errors:InputError",
-    "Solution": "branches:Solution",
+    "PeriodicPearls": "studies.localized:PeriodicPearls",
+    "Solution": "solutions:Solution",
     "Tube": "helfrich:Tube",
     "Units": "units:Units",
     "amplitude": "front:amplitude",
+    "amplitude_map": "instabilities:amplitude_map",
     "atlas": "atlas:",
     "branch": "front:branch",
     "continue_bvp": "bvp:continue_bvp",
@@ -52,22 +57,29 @@ _HOMES = {
     "growth": "studies.growth:growth",
     "load": "front:load",
     "localized_pearls": "studies.localized:localized_pearls",
+    "meshes": "meshes:",
     "pearl_periods": "studies.period:pearl_periods",
     "phases": "phase_diagram:phases",
+    "plot_shapes": "front:plot_shapes",
+    "predicted_branch": "front:predicted_branch",
     "register": "studies.families:register",
+    "ring_onsets": "studies.ring_onsets:ring_onsets",
     "scan": "scans.scan:scan",
     "solve_bvp": "bvp:solve_bvp",
     "stability_region": "studies.region:stability_region",
+    "theory": "theory:",
 }
 
 __all__ = [
     "Branch",
     "InputError",
+    "PeriodicPearls",
     "Solution",
     "Tube",
     "Units",
     "__version__",
     "amplitude",
+    "amplitude_map",
     "atlas",
     "branch",
     "continue_bvp",
@@ -78,23 +90,18 @@ __all__ = [
     "growth",
     "load",
     "localized_pearls",
+    "meshes",
     "pearl_periods",
     "phases",
+    "plot_shapes",
+    "predicted_branch",
     "register",
+    "ring_onsets",
     "scan",
     "solve_bvp",
     "stability_region",
+    "theory",
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """A public name, from the room in which it lives."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'pearlbvp' has no attribute {name!r}; see dir(pearlbvp)")
-    room, _, found = _HOMES[name].partition(":")
-    module = import_module(f"pearlbvp.{room}")
-    return getattr(module, found) if found else module
-
-
-def __dir__() -> list[str]:
-    return __all__
+__getattr__, __dir__ = offered(__name__, _HOMES, "__version__")

@@ -1,4 +1,4 @@
-"""Branches and their solutions with the verbs of an ordinary analysis, which needs no other import then.
+"""Branches with the verbs of an ordinary analysis, which needs no other import then; ``solutions`` has their points.
 
 The rooms below do the work; nothing is computed here.
 """
@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 from pearlbvp.continuation import branch as core
 from pearlbvp.continuation import solution as solutions
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import whole
+from pearlbvp.helfrich import WaveNumbers, whole
 from pearlbvp.messages import counted
 from pearlbvp.numbers import as_whole
+from pearlbvp.solutions import Solution
 from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
@@ -25,59 +26,9 @@ if TYPE_CHECKING:
 
     from pearlbvp.explorer.page import Explorer
     from pearlbvp.held import Held
-    from pearlbvp.mesh.periodic import PeriodicMesh
 
 Until = Mapping[str, float]
 """Where to stop: columns and values, ``{"v": 1.1}``, or kinds of special points and their numbers, ``{"bp": 1}``."""
-
-
-class Solution(solutions.Solution[Any]):
-    """A point of a branch: ``observables``, ``spectrum``, ``slopes``, ``problem`` and ``u``, and the shape itself."""
-
-    def profile(self, samples: int = 400) -> pd.DataFrame:
-        """The curve that the shape is made of, in radii: ``x, r, psi, H`` of pearls, sections of rings and coils.
-
-        Raises:
-            InputError: the shape is made of no single curve.
-        """
-        from pearlbvp.studies.export import profile_table
-
-        return profile_table(self, samples)
-
-    def surface(self, nodes: int = 3000) -> PeriodicMesh:
-        """The shape as triangles on one period of the tube, with about so many vertices."""
-        from pearlbvp.studies.mesh import shape_mesh
-
-        return shape_mesh(self, nodes)
-
-    def export(self, path: str | os.PathLike[str], nodes: int = 3000, units: Units = RADII) -> None:
-        """Write the surface for another program: ``.vtu`` (ParaView), ``.ply``, ``.obj`` (Blender), ``.fe`` (Surface Evolver).
-
-        Args:
-            path: whose ending names the format.
-            nodes: vertices, about.
-            units: of the vertices.
-
-        Raises:
-            InputError: another ending, or a place that cannot be written to.
-        """
-        from pearlbvp.mesh.files import writable_mesh, write_mesh
-
-        writable_mesh("path", path)
-        c0 = units.to_user("H", self.observables["c0"])
-        write_mesh(units.surface(self.surface(nodes)), path, c0=c0, name="path")
-
-    def plot(self) -> Figure:
-        """A picture of the surface."""
-        from pearlbvp.figures.surface import draw_surfaces
-
-        return draw_surfaces([self], columns=1)
-
-
-def _solution(found: solutions.Solution[Any]) -> Solution:
-    """The same with a profile and a surface; growth rates that the branch has computed are not computed again."""
-    carried = {field.name: getattr(found, field.name) for field in fields(found)}
-    return Solution(**carried | {"known": vars(found).get("spectrum", found.known)})
 
 
 def _is_kind(kind: str) -> bool:
@@ -98,11 +49,36 @@ class Branch(core.Branch[Any]):
         """A branch of the rooms below."""
         return cls(**{field.name: getattr(found, field.name) for field in fields(found)})
 
+    @classmethod
+    def through(
+        cls, point: solutions.Solution[Any], until: Until | None = None, *, down: bool = False, **how: Any
+    ) -> Branch:
+        """The branch through a solution, towards larger volume at first; a shape on a mesh is followed on meshes.
+
+        Args:
+            point: the solution.
+            until: where to stop, as ``pearlbvp.branch`` takes it.
+            down: whether to begin towards smaller volume.
+            how: ``max_points, step, max_step``, as ``pearlbvp.branch`` takes them.
+
+        Raises:
+            InputError: an argument that cannot be used, or the volume does not vary on its branch.
+
+        Examples:
+            >>> import pearlbvp as pb
+            >>> coil = pb.branch(pb.Tube(c0=0, L=10), "coil", until={"v": 0.98})[-1]
+            >>> pb.Branch.through(coil.meshed(300), {"v": 0.975}, down=True).complete  # onwards on triangles
+            True
+        """
+        from pearlbvp.studies.through import through
+
+        return followed_by(lambda options: through(point, options, upwards=not down), until, how)
+
     def __len__(self) -> int:
         return len(self.points)
 
     def __iter__(self) -> Iterator[Solution]:
-        return map(_solution, self.points)
+        return map(Solution.of, self.points)
 
     @overload
     def __getitem__(self, which: int) -> Solution: ...
@@ -121,9 +97,9 @@ class Branch(core.Branch[Any]):
             IndexError: there is no such point.
         """
         if isinstance(which, slice):
-            return [_solution(point) for point in self.points[which]]
+            return [Solution.of(point) for point in self.points[which]]
         if not isinstance(which, str):
-            return _solution(self.points[which])
+            return Solution.of(self.points[which])
         kind, _, last = which.rpartition(":")
         number = as_whole(last)
         kind = which if number is None else kind
@@ -134,12 +110,12 @@ class Branch(core.Branch[Any]):
                 "give one like 'bp', 'bp:2', 'fold:v', 'cmc' or 'end', or a number",
             )
         if number is None:
-            return [_solution(self.at(special)) for special in self.find(which)]
+            return [Solution.of(self.at(special)) for special in self.find(which)]
         found = self.find(kind)
         if not 1 <= number <= len(found):
             there = counted(len(found), f"special point {kind}", f"special points {kind}")
             raise InputError("point", f"the branch has {there}, so there is no {which}", "follow it further")
-        return _solution(self.at(found[number - 1]))
+        return Solution.of(self.at(found[number - 1]))
 
     def resume(self, until: Until | None = None, **how: Any) -> Branch:
         """Go on from the last point; this branch and what follows as one.
@@ -250,6 +226,50 @@ class Branch(core.Branch[Any]):
         return followed_by(
             lambda options: followed(self, kind, number, name, options, upwards=upwards, fix=fix), until, how
         )
+
+    def normal_forms(self) -> pd.DataFrame:
+        """How branches leave this one at its branch points: on which side, how fast, stable or not.
+
+        Returns:
+            A row a branch point: ``number, point, block, lambda2, v``; ``form`` (``pitchfork`` or ``transcritical``; empty,
+            with the reason in ``message``, where there is none); ``rate`` and ``cubic`` of ``dy/dt = y (rate (v - v_0) + cubic
+            y^2)``, at fixed area and volume, and its ``criticality``; ``lambda1_2, lambda2_2, v_2, E_2``: changes by the
+            amplitude's square.
+
+        Examples:
+            >>> import pearlbvp as pb
+            >>> pearls = pb.branch(pb.Tube(c0=0.48, L=15), "pearl", (2, 0), until={"bp": 1})
+            >>> list(pearls.normal_forms().criticality)  # the localized pearl takes over continuously
+            ['supercritical']
+        """
+        from pearlbvp.studies.normal_form import normal_forms
+
+        return normal_forms(self)
+
+    def compared(self, mode: WaveNumbers, family: Literal["coil", "buckle"] | None = None) -> pd.DataFrame:
+        """This branch beside what the amplitude equation of a mode predicts at the same volume.
+
+        Args:
+            mode: waves along and around the tube.
+            family: which of the mode's two branches it is, where it does not say so itself (on a mesh).
+
+        Returns:
+            A row a point off the straight tube: ``A, v``, of ``lambda1, lambda2, E, wave`` the computed value, the predicted
+            one, the error relative to the change since the onset (``_error``) and the order in ``A`` at which it falls
+            (``_order``): 4 of the energy, 2 of the others.
+
+        Raises:
+            InputError: it is no branch of that mode, or no point can be compared.
+
+        Examples:
+            >>> import pearlbvp as pb
+            >>> pearls = pb.branch(pb.Tube(c0=0, L=10), "pearl", until={"v": 1.01}, step=0.02, max_step=0.05)
+            >>> pearls.compared((1, 0)).E_order.iloc[1:].round(1).tolist()
+            [4.0, 4.0, 4.0, 4.0]
+        """
+        from pearlbvp.studies.amplitude import beside_prediction
+
+        return beside_prediction(self, mode, family)
 
     def save(self, path: str | os.PathLike[str], units: Units = RADII) -> None:
         """Save it as HDF5, whole or not at all; ``pearlbvp.load`` reads it.

@@ -1,5 +1,7 @@
 """What README and docs print is true: their Python runs, their commands run, their links lead somewhere."""
 
+import ast
+import json
 import re
 import shlex
 from pathlib import Path
@@ -159,6 +161,24 @@ def test_every_notebook_is_a_chapter():
     names = {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")}
     assert names == set(re.findall(r"chapters/(\w+)\.md", (ROOT / "mkdocs.yml").read_text()))
     assert names == set(re.findall(r"\(\.\./notebooks/(\w+)\.ipynb\)", (ROOT / "docs/index.md").read_text()))
+
+
+INNER = {"flows"}
+"""Notebooks that still import rooms of the package."""
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "notebooks").glob("*.ipynb")), ids=lambda path: path.stem)
+def test_a_notebook_needs_the_public_names_alone(path):
+    import pearlbvp as pb
+
+    cells = [cell["source"] for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
+    lines = [line for source in cells for line in [*"".join(source).splitlines(), ""]]
+    nodes = list(ast.walk(ast.parse("\n".join(line for line in lines if not line.startswith("%")))))
+    rooms = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+    rooms |= {node.module for node in nodes if isinstance(node, ast.ImportFrom)}
+    names = {node.attr for node in nodes if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "pb"}
+    assert names <= set(dir(pb))
+    assert {room for room in rooms if room.startswith("pearlbvp.")} == set() or path.stem in INNER
 
 
 def test_the_readme_is_short():

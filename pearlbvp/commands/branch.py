@@ -9,7 +9,6 @@ import click
 from pearlbvp.commands.arguments import FamilyName, ModeNumbers, Nodes, Number, Numbers, check_meshable
 from pearlbvp.commands.command import Command, Option
 from pearlbvp.commands.following import Following, fix_option, following, save_option
-from pearlbvp.errors import InputError
 
 
 @click.command(
@@ -118,29 +117,18 @@ def branch(
     renewed, the branch jumps by the mesh's error.
     """
     asked = Following(**how).checked()
-    if shape is not None and family != "pearl":
-        raise InputError("--shape", "it is for pearls only", f"leave it out with {family}")
     tube = asked.units.tube(c0, length)
     fix = "area,pressure" if pressure else asked.units.fix(fix, tube.length * cells)
-    if shape is not None:
-        waves = [asked.units.from_user("shape", amplitude) for amplitude in shape]
-        return asked.run(lambda options: _of_shape(tube, volume, waves, options, cells, fix, tolerance))
+    waves = None if shape is None else [asked.units.from_user("shape", amplitude) for amplitude in shape]
     if nodes is not None:
         check_meshable(tube.length)
 
     def follow(options: Any) -> Any:
-        from pearlbvp.studies.branch import family_branch
+        from pearlbvp.studies.branch import asked_branch
 
-        kind = None if nodes is None else discretization
-        return family_branch(
-            tube, family, mode, options, nodes=nodes, discretization=kind, fix=fix, tolerance=tolerance
-        )
+        return asked_branch(
+            tube, family, mode, options, shape=waves, volume=volume, cells=None if waves is None else cells,
+            nodes=nodes, discretization=None if nodes is None else discretization, fix=fix, tolerance=tolerance,
+        )  # fmt: skip
 
-    return asked.run(follow, "; the other half of this branch has the same shapes")
-
-
-def _of_shape(tube: Any, volume: Any, waves: Any, options: Any, cells: int, fix: str, tolerance: Any) -> Any:
-    """The branch through a shape of least energy."""
-    from pearlbvp.studies.shape import shape_branch
-
-    return shape_branch(tube.c0, tube.length, volume, waves, options, cells=cells, fix=fix, tolerance=tolerance)
+    return asked.run(follow, "" if waves is not None else "; the other half of this branch has the same shapes")

@@ -145,6 +145,12 @@ def colour_of(point: Solution[Any]) -> str:
     return STABLE if point.spectrum.stable else UNSTABLE
 
 
+def title_of(point: Solution[Any]) -> str:
+    """A solution's volume and number of unstable directions, where that is known."""
+    unstable = f", {point.spectrum.n_unstable} unstable" if point.spectrum.complete else ""
+    return f"v = {point.observables['v']:.4f}{unstable}"
+
+
 @own_style()
 def draw_surfaces(points: Sequence[Solution[Any]], titles: Sequence[str] = (), columns: int = 4) -> Figure:
     """Solutions beside one another, stable ones blue, unstable ones brown, all to one scale.
@@ -154,11 +160,7 @@ def draw_surfaces(points: Sequence[Solution[Any]], titles: Sequence[str] = (), c
         titles: one for each; by default their volume and number of unstable directions.
         columns: how many stand side by side.
     """
-    titles = titles or [
-        f"v = {point.observables['v']:.4f}"
-        + (f", {point.spectrum.n_unstable} unstable" if point.spectrum.complete else "")
-        for point in points
-    ]  # fmt: skip
+    titles = titles or [title_of(point) for point in points]
     rows = -(-len(points) // columns)
     columns = min(columns, len(points))
     figure = new_blank(2.7 * columns, 2.0 * rows)

@@ -34,11 +34,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from pearlbvp.arrays import Array
+from pearlbvp.arrays import Array, numeric
 from pearlbvp.errors import InputError
+from pearlbvp.helfrich import Tube, finite, positive, whole
 from pearlbvp.membrane import Surface
 from pearlbvp.mesh.adaptation import AdaptOptions, adapted, measured
-from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh, known_mesh
 from pearlbvp.mesh.samples import Samples
 from pearlbvp.units import Sentence
 
@@ -115,13 +116,19 @@ def tube_mesh(
         coil: waves along and around of a coil whose screws the mesh is to keep.
 
     Raises:
-        InputError: too few nodes, or a surface that gives no good mesh.
+        InputError: too few nodes, a surface that gives no good mesh, or an argument that cannot be used.
+
+    Examples:
+        >>> mesh = tube_mesh(10, 500)
+        >>> mesh.count, len(mesh.triangles), bool(mesh.quality.max() < 3.5)  # of equilateral ones 3.46
+        (480, 960, True)
     """
+    length, nodes = Tube(0.0, length).length, whole("nodes", nodes)
     if nodes < 20:
         raise InputError("nodes", f"{nodes} make no tube", "give 20 or more")
     if nodes > MOST_NODES:
         raise InputError("nodes", f"{nodes} are more than the {MOST_NODES} that fit in memory", "give fewer")
-    rows, around = divisions(length, int(nodes), coil)
+    rows, around = divisions(length, nodes, coil)
     j, i = np.divmod(np.arange(rows * around), around)
     x, phi = length * j / rows, 2 * np.pi * (i + 0.5 * (j % 2)) / around
     odd = j % 2
@@ -133,9 +140,28 @@ def tube_mesh(
     # x to the right, phi upwards is clockwise seen from outside where phi runs from y to z: take phi first.
     triangles = np.concatenate((np.column_stack((here, above, right)), np.column_stack((here, before, above))))
     wraps = np.concatenate((np.column_stack((zero, wrap, zero)), np.column_stack((zero, wrap, wrap))))
-    points = cylinder(x, phi) if surface is None else np.asarray(surface(x, phi), dtype=float)
-    mesh = PeriodicMesh(points, triangles[:, ::-1], wraps[:, ::-1], length)
-    return mesh
+    return PeriodicMesh(_on(surface or cylinder, x, phi), triangles[:, ::-1], wraps[:, ::-1], length)
+
+
+def _on(surface: Surface, x: Array, phi: Array) -> Array:
+    """Points of a surface that a user may have given, shape (K, 3).
+
+    Raises:
+        InputError: it is no function that returns such.
+    """
+    remedy = "give a function of x and phi, each of shape (K,), that returns x, y, z, of shape (K, 3)"
+    if not callable(surface):
+        raise InputError("surface", f"{type(surface).__name__} must be a function", remedy)
+    points = numeric("surface", surface(x, phi))
+    if points.shape != (len(x), 3):
+        raise InputError("surface", f"it returns an array of shape {points.shape} for {len(x)} points", remedy)
+    return points
+
+
+def _parameters(mesh: PeriodicMesh) -> tuple[Array, Array]:
+    """``x`` and ``phi`` of the vertices, shape (V,)."""
+    vertices = known_mesh(mesh).vertices
+    return vertices[:, 0], np.arctan2(vertices[:, 2], vertices[:, 1])
 
 
 def cylinder(x: Array, phi: Array) -> Array:
@@ -151,12 +177,19 @@ def jittered(mesh: PeriodicMesh, amount: float = 0.2, seed: int = 0, surface: Su
         amount: standard deviation in units of the mean edge; beyond about 0.25 triangles may fold over.
         seed: of the random numbers.
         surface: points of another tube, by the moved parameters.
+
+    Raises:
+        InputError: an argument that cannot be used, or triangles that fold over.
+
+    Examples:
+        >>> rough = jittered(tube_mesh(10, 500), 0.1)
+        >>> bool(rough.quality.max() > 4), bool(abs(rough.length - 10) < 1e-12)
+        (True, True)
     """
-    rng = np.random.default_rng(seed)
-    size = amount * mesh.edge_lengths.mean() * rng.standard_normal((mesh.count, 2)).clip(-2, 2)
-    x = mesh.vertices[:, 0] + size[:, 0]
-    phi = np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1]) + size[:, 1]
-    return replace(mesh, vertices=(surface or cylinder)(x, phi))
+    x, phi = _parameters(mesh)
+    rng = np.random.default_rng(whole("seed", seed, 0))
+    size = finite("amount", amount) * mesh.edge_lengths.mean() * rng.standard_normal((mesh.count, 2)).clip(-2, 2)
+    return replace(mesh, vertices=_on(surface or cylinder, x + size[:, 0], phi + size[:, 1]))
 
 
 def graded(mesh: PeriodicMesh, ratio: float = 2.0, sweep: float = 0.0) -> PeriodicMesh:
@@ -169,29 +202,69 @@ def graded(mesh: PeriodicMesh, ratio: float = 2.0, sweep: float = 0.0) -> Period
         mesh: of the straight tube.
         ratio: of the largest spacing along the tube to the smallest.
         sweep: largest angle by which sections are turned against each other, in radians; triangles become oblique.
+
+    Raises:
+        InputError: an argument that cannot be used, or triangles that become slivers.
+
+    Examples:
+        >>> mesh = graded(tube_mesh(10, 500), 3.0)
+        >>> round(float(mesh.areas.max() / mesh.areas.min()), 1)
+        3.0
     """
+    x, phi = _parameters(mesh)
+    ratio, sweep = positive("ratio", ratio), finite("sweep", sweep)
     k, most = 2 * math.pi / mesh.length, (ratio - 1) / (ratio + 1)
-    x, phi = mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])
     return replace(mesh, vertices=cylinder(x + most * np.sin(k * x) / k, phi + sweep * np.sin(k * x)))
 
 
 def edited(mesh: PeriodicMesh, options: AdaptOptions | None = None) -> PeriodicMesh:
-    """The straight tube's mesh with triangles split, collapsed and flipped as on a branch: valences from 4 to 8.
+    """The straight tube's mesh with triangles split, collapsed and flipped as on a branch: valences other than 6.
 
     Args:
         mesh: of the straight tube.
         options: when a triangle is changed; by default the paper's (Appendix B), by the mesh's mean area.
+
+    Raises:
+        InputError: an argument that cannot be used.
+
+    Examples:
+        >>> mesh = edited(graded(tube_mesh(10, 500), 3.0))
+        >>> round(float((np.diff(mesh.star[0]) != 6).mean()), 1)  # the share of valences other than 6
+        0.4
     """
+    known_mesh(mesh)
+    if not isinstance(options, AdaptOptions | None):
+        raise InputError("options", f"{type(options).__name__} must be AdaptOptions", "leave them out for the paper's")
     options = measured(options or AdaptOptions(largest=1.3, worst=8.0), mesh)
     return straightened(adapted(mesh, Samples.of(mesh), options))
 
 
 def straightened(mesh: PeriodicMesh) -> PeriodicMesh:
-    """The same triangles with vertices moved radially onto the straight tube."""
-    return replace(mesh, vertices=cylinder(mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])))
+    """The same triangles with vertices moved radially onto the straight tube.
+
+    Raises:
+        InputError: it is no triangulated tube.
+
+    Examples:
+        >>> mesh = straightened(tube_mesh(10, 500, lambda x, phi: 1.1 * cylinder(x, phi)))
+        >>> round(float(np.hypot(mesh.vertices[:, 1], mesh.vertices[:, 2]).max()), 12)
+        1.0
+    """
+    return replace(mesh, vertices=cylinder(*_parameters(mesh)))
 
 
 def mapped(mesh: PeriodicMesh, surface: Surface) -> PeriodicMesh:
-    """The straight tube's triangles on another tube, vertices at the same parameters ``x`` and ``phi``."""
-    x, phi = mesh.vertices[:, 0], np.arctan2(mesh.vertices[:, 2], mesh.vertices[:, 1])
-    return replace(mesh, vertices=np.asarray(surface(x, phi), dtype=float))
+    """The straight tube's triangles on another tube, vertices at the same parameters ``x`` and ``phi``.
+
+    Raises:
+        InputError: an argument that cannot be used, or a surface that gives no good mesh.
+
+    Examples:
+        >>> def bent(x, phi):
+        ...     points = cylinder(x, phi)
+        ...     points[:, 2] += 0.2 * np.cos(2 * np.pi * x / 10)
+        ...     return points
+        >>> mapped(graded(tube_mesh(10, 500)), bent).count
+        480
+    """
+    return replace(mesh, vertices=_on(surface, *_parameters(mesh)))

@@ -26,7 +26,7 @@ from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.rounding import without_rounding
 from pearlbvp.mesh.tube import tube_of
 from pearlbvp.rounding import steps
-from pearlbvp.units import Sentence
+from pearlbvp.units import RADII, Sentence, Units
 
 FORMATS = {".vtu": "vtu", ".ply": "ply", ".obj": "obj", ".fe": "fe"}
 """Endings of the formats that are written."""
@@ -137,6 +137,26 @@ def read_smooth_tube(path: str | os.PathLike[str], length: float, name: str = "p
         words = f"coordinates are rounded to {step:.1g}, too few digits for curvatures: smoothed, which moves vertices by up to"
         said = (*said, f"{words} {moved:.2g}")
     return smooth, _said(Path(path), said)
+
+
+def read_surface(
+    path: str | os.PathLike[str], length: float, units: Units = RADII, name: str = "path"
+) -> tuple[PeriodicMesh, str]:
+    """A triangulated tube in a file as flows start from it, in radii, and what was repaired or smoothed in words.
+
+    Args:
+        path: of one period, in the unit of length of ``units``.
+        length: the period, in radii.
+        units: of the file.
+        name: the argument's name, for messages.
+
+    Raises:
+        InputError: it cannot be read, or is no tube of that period, or its radius is not about 1.
+    """
+    found, said = read_smooth_tube(named(name, path), units.to_user("length", positive("length", length)), name)
+    surface: PeriodicMesh = units.surface_from_user(found)
+    check_radius(surface)
+    return surface, said
 
 
 def _said(path: Path, said: Sequence[str]) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from pearlbvp.arrays import Array
-from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.mesh.periodic import PeriodicMesh, known_mesh
 
 
 def cotangents(mesh: PeriodicMesh) -> Array:
@@ -78,7 +78,18 @@ def vertex_normals(mesh: PeriodicMesh) -> Array:
 
 
 def mean_curvature(mesh: PeriodicMesh) -> Array:
-    """``H`` from ``M H = <L X, N>/2`` with the mixed Voronoi mass, shape (V,) (paper, Appendix B)."""
+    """``H`` from ``M H = <L X, N>/2`` with the mixed Voronoi mass, shape (V,) (paper, Appendix B).
+
+    Raises:
+        InputError: it is no triangulated tube.
+
+    Examples:
+        >>> from pearlbvp.mesh.families import tube_mesh
+        >>> errors = [abs(mean_curvature(tube_mesh(10, nodes)) - 0.5).max() for nodes in (500, 2000)]
+        >>> round(float(errors[0] / errors[1]))  # of second order in the mesh width
+        4
+    """
+    known_mesh(mesh)
     return np.einsum("ix,ix->i", area_gradient(mesh), vertex_normals(mesh)) / (2 * voronoi_mass(mesh))
 
 
@@ -86,6 +97,10 @@ def gaussian_curvature(mesh: PeriodicMesh) -> Array:
     """``K`` from the angles about each vertex by Gauss-Bonnet, over the mixed Voronoi mass, shape (V,).
 
     The integral of ``K`` is 0 on every tube, to rounding.
+
+    Raises:
+        InputError: it is no triangulated tube.
     """
+    known_mesh(mesh)
     angles = np.arctan2(1.0, cotangents(mesh))
     return (2 * np.pi - _at_vertices(mesh, angles)) / voronoi_mass(mesh)

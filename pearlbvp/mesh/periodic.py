@@ -221,6 +221,19 @@ class PeriodicMesh:
         return {name: getattr(self, name) for name in ("vertices", "triangles", "wraps", "length")}
 
 
+def known_mesh(mesh: PeriodicMesh) -> PeriodicMesh:
+    """A triangulated tube.
+
+    Raises:
+        InputError: it is none.
+    """
+    if not isinstance(mesh, PeriodicMesh):
+        raise InputError(
+            "mesh", f"{type(mesh).__name__} must be a triangulated tube", "give one like meshes.tube_mesh(10, 500)"
+        )
+    return mesh
+
+
 def _walk(start: Integers, first: Integers, twin: Integers) -> Integers:
     """Half-edges out of each vertex in order; -1 where a vertex's triangles are no single fan. All vertices at once."""
     order = np.full(len(twin), -1, dtype=np.int64)

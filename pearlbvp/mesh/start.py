@@ -11,6 +11,8 @@ from scipy.sparse.linalg import splu
 
 from pearlbvp.arrays import Array
 from pearlbvp.continuation.path import correct_at
+from pearlbvp.continuation.solution import Solution
+from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube, choice, cylinder_lambda1
 from pearlbvp.mesh.functional import Functional, Kind
@@ -139,6 +141,14 @@ def branch_point(
         slope = (rate - before) / step
     text = f"{m, n} has no branch point on this mesh near lambda2 = {{lambda2:.4g}}"
     raise InputError("mode", Sentence(text, lambda2=near), "give more nodes")
+
+
+def neutral_tube(mesh: PeriodicMesh, c0: float, m: int, n: int, kind: Kind = "subdivision") -> Solution[MeshProblem]:
+    """``branch_point`` as a solution, whose branch is that of the straight tubes, towards larger ``lambda2``."""
+    problem, u = branch_point(mesh, c0, m, n, kind)
+    direction = np.zeros_like(u)
+    direction[-2] = 1.0
+    return Solution(problem, u, tangent_along(problem, u, direction))
 
 
 def _without_mode(problem: MeshProblem, u: Array, m: int, n: int) -> tuple[MeshProblem, Array, int]:

@@ -19,7 +19,9 @@ from pearlbvp.force import with_force
 from pearlbvp.helfrich import Tube, WaveNumbers, mode_list, positive, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.progress import progress as progress_bar
-from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation, exchange_lengths, meeting_c0
+from pearlbvp.studies.branch import known_branch
+from pearlbvp.theory.amplitude import AmplitudeEquation, Family, amplitude_equation, family_named
+from pearlbvp.theory.codimension_two import exchange_lengths, meeting_c0
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, stable_interval
 from pearlbvp.units import Sentence
 
@@ -243,6 +245,29 @@ def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -
             order = np.diff(np.log(error)) / np.diff(np.log(A))
         result[f"{name}_order"] = np.concatenate(([math.nan], order))
     return result
+
+
+def beside_prediction(branch: Branch[Any], mode: WaveNumbers, family: str | None = None) -> pd.DataFrame:
+    """The same of a branch from the straight tube.
+
+    Args:
+        branch: of any family.
+        mode: waves along and around the tube.
+        family: where the mode has two; by default the branch's own.
+
+    Raises:
+        InputError: as ``compared``, or the branch does not say which of two families it is of.
+    """
+    start = known_branch(branch).points[0]
+    equation = amplitude_equation(Tube(start.observables["c0"], start.observables["L"]), mode)
+    own = [name for name in equation.families if len(equation.families) == 1 or name == start.problem.family]
+    if family is None and not own:
+        both = " and ".join(equation.families)
+        raise InputError("family", f"({equation.m},{equation.n}) is a mode of {both}", "say which of them it is")
+    try:
+        return compared(branch.table(), equation, own[0] if family is None else family_named(family))
+    except InputError as error:
+        raise (error.named("mode") if error.argument == "compare" else error) from None
 
 
 MAP_COLUMNS = ["c0", "L", "lower_mode", "lower_lambda2", "lower_criticality", "upper_mode", "upper_lambda2",

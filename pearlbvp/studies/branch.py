@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -169,6 +169,19 @@ def known_point(point: Solution[Any]) -> Solution[Any]:
     return point
 
 
+def known_points(points: Iterable[Solution[Any]]) -> list[Solution[Any]]:
+    """Points of branches, one or more.
+
+    Raises:
+        InputError: they are none.
+    """
+    listed = list(points) if isinstance(points, Iterable) else []
+    if not listed:
+        what = f"{type(points).__name__} has no points of branches in it"
+        raise InputError("points", what, "give some, like branch[2:4]")
+    return [known_point(point) for point in listed]
+
+
 def _number(kind: str, value: float) -> int:
     """The number of a special point.
 
@@ -244,6 +257,44 @@ def family_branch(
     from pearlbvp.studies.unduloids import why_none  # with the room of unduloids, which few branches need
 
     return replace(branch, reason=Sentence.joined(branch.reason, why_none(tube, mode[0])))
+
+
+def asked_branch(
+    tube: Tube,
+    family: str,
+    mode: WaveNumbers | None = None,
+    options: BranchOptions | None = None,
+    *,
+    shape: Sequence[float] | None = None,
+    volume: float | None = None,
+    cells: int | None = None,
+    **how: Any,
+) -> Branch[Any]:
+    """The branch that leaves the straight tube, or, of pearls, that through the shape of least energy near a guess.
+
+    Args:
+        tube, family, mode, options, how: as ``family_branch`` takes them; a shape has no mode.
+        shape, volume, cells: as ``studies.shape.shape_branch`` takes them.
+
+    Raises:
+        InputError: an argument that cannot be used, or not beside another.
+    """
+    if shape is None:
+        for name, value in (("volume", volume), ("cells", cells)):
+            if value is not None:
+                raise InputError(name, "it goes with shape", "give that, too, or leave it out")
+        return family_branch(tube, family, mode, options, **how)
+    if family != "pearl":
+        raise InputError("shape", "it is for pearls only", f"leave it out with {family}")
+    if volume is None:
+        raise InputError("volume", "a shape of least energy is one of its volume", "give that, like volume=1.0")
+    for name, value in (("mode", mode), *((name, how.pop(name, None)) for name in ("nodes", "discretization"))):
+        if value is not None:
+            raise InputError(name, "it does not go with shape", "leave one of them out")
+    from pearlbvp.studies.shape import shape_branch  # which few branches start from
+
+    tube = known_tube(tube)
+    return shape_branch(tube.c0, tube.length, volume, shape, options, cells=1 if cells is None else cells, **how)
 
 
 def _in_modes(family: str) -> Callable[[Tube, WaveNumbers, Held, float | None], Start]:

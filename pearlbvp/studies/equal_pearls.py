@@ -19,12 +19,13 @@ from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube
 from pearlbvp.shapes.pearl import PearlProblem
-from pearlbvp.shapes.unduloid import Unduloid, unduloid_of, unduloid_pearl
+from pearlbvp.shapes.unduloid import unduloid_pearl
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.pearl_starts import FAR, LONG, SHORT, THIN, stable_downhill, thin_necked
 from pearlbvp.studies.starts import branch_of
 from pearlbvp.studies.stretches import NEAR, pieces
 from pearlbvp.studies.unduloids import beside
+from pearlbvp.theory.unduloid import Unduloid, unduloid_of
 
 STARTS = 6
 """Random shapes of a period that are relaxed."""

@@ -20,7 +20,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.continuation import Path, PathOptions, Solution, follow
 from pearlbvp.continuation.chebyshev import PathFunctions, Unresolved, resolve
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, positive
+from pearlbvp.helfrich import Tube, finite, positive, whole
 from pearlbvp.numbers import as_numbers
 from pearlbvp.representation import brief
 from pearlbvp.shapes.pearl import PearlProblem
@@ -96,6 +96,11 @@ class PeriodicPearls:
         Raises:
             InputError: an argument that cannot be used.
             Unresolved: the functions along the path could not be resolved.
+
+        Examples:
+            >>> pearls = PeriodicPearls.trace(c0=0.48, period=7.5)
+            >>> round(pearls.row(4)["v"], 6)  # on four periods they lose stability there
+            1.006228
         """
         tube = Tube(c0, check_period(period))
         check_pearls(fewest, 2)
@@ -124,6 +129,30 @@ class PeriodicPearls:
     def neutral_angle(self, x: Array) -> Array:
         """Angle of the neutral Bloch wave at ``x``, from 0 to pi; 0 or pi where there is none."""
         return np.arccos(np.clip(self.functions(x)[:, COSINE] / 2, -1, 1))
+
+    def table(self, samples: int = 400) -> pd.DataFrame:
+        """The pearls from onset to where the search ended: ``lambda1, lambda2, v, E, amplitude, theta``.
+
+        Args:
+            samples: rows, at equal distances of the functions' coordinate.
+
+        Returns:
+            ``theta`` is the angle of the neutral Bloch wave, from 0 to pi; waves of a smaller one grow.
+
+        Raises:
+            InputError: no whole number of samples.
+
+        Examples:
+            >>> curve = PeriodicPearls.trace(c0=0.48, period=7.5).table(50)
+            >>> bool(curve.theta.is_monotonic_increasing), len(curve)
+            (True, 50)
+        """
+        import pandas as pd
+
+        x = np.linspace(0, len(self.functions.coefficients), whole("samples", samples, 2))
+        table = pd.DataFrame(self.functions(x)[:, :SQUARE], columns=list(FUNCTIONS[:SQUARE]))
+        amplitude = np.sqrt(np.maximum(self.functions(x)[:, SQUARE], 0))
+        return table.assign(amplitude=amplitude, theta=self.neutral_angle(x))
 
     @cached_property
     def _folds(self) -> Array:
@@ -221,7 +250,7 @@ def _wave_around_before(waves: list[Solution[PearlProblem]], v_end: float, pearl
 
 def check_pearls(pearls: int, fewest: int) -> None:
     """Raise InputError unless ``pearls`` is a whole number from ``fewest`` on."""
-    if pearls != int(pearls) or pearls < fewest:
+    if finite("pearls", pearls) != int(pearls) or pearls < fewest:
         raise InputError(
             "pearls", f"{pearls} must be a whole number from {fewest} on", "trace(fewest=...) goes further"
         )

@@ -12,7 +12,7 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.numbers import as_numbers
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.onward import switched
-from pearlbvp.theory.amplitude import exchange_lengths
+from pearlbvp.theory.codimension_two import exchange_lengths
 from pearlbvp.theory.meeting import meeting_curvature
 
 if TYPE_CHECKING:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, get_args
 
 import numpy as np
@@ -49,7 +50,7 @@ def meshed(
         InputError: the mesh is too coarse for the shape, or that is the straight tube.
     """
     point = known_point(point)
-    choice("kind", kind, get_args(Kind))
+    choice("discretization", kind, get_args(Kind))
     found = point.observables
     if found["amplitude"] < SMALLEST_AMPLITUDE:
         raise InputError(
@@ -62,6 +63,27 @@ def meshed(
     return equilibrium(
         shape_mesh(point, nodes), found["c0"], found["v"], found["lambda1"], found["lambda2"], kind, held=held
     )
+
+
+def on_mesh(
+    point: Solution[Any],
+    nodes: int | PeriodicMesh = NODES,
+    *,
+    kind: Kind = "subdivision",
+    fix: str | Held | None = None,
+) -> Solution[MeshProblem]:
+    """The same as a solution, whose branch leads to larger ``v``; arguments and errors are those of ``meshed``."""
+    problem, u = meshed(point, nodes, kind=kind, fix=fix)
+    if u is point.u:
+        return replace(point, problem=problem)
+    return Solution(problem, u, _towards_larger_volume(problem, u))
+
+
+def _towards_larger_volume(problem: MeshProblem, u: Array) -> Array:
+    """Unit tangent of the branch through an equilibrium."""
+    direction = np.zeros_like(u)
+    direction[-1] = 1.0
+    return tangent_along(problem, u, direction)
 
 
 def shape_mesh(point: Solution[Any], nodes: int | PeriodicMesh = NODES) -> PeriodicMesh:
@@ -130,10 +152,9 @@ def branch_from(
     problem: MeshProblem, u: Array, options: BranchOptions, *, upwards: bool = False
 ) -> Branch[MeshProblem]:
     """The branch through an equilibrium, towards larger or smaller ``v`` at first."""
-    direction = np.zeros_like(u)
-    direction[-1] = 1.0 if upwards else -1.0
     problem = problem.symmetric(u)
-    start = Solution.along(problem, u, tangent_along(problem, u, direction))
+    tangent = _towards_larger_volume(problem, u)
+    start = Solution.along(problem, u, tangent if upwards else -tangent)
     return continue_branch(start, known_options(options))
 
 

@@ -16,7 +16,6 @@ from pearlbvp.continuation.branch import Branch, SpecialPoint
 from pearlbvp.continuation.normal_form import NormalForm, at_zero, normal_form
 from pearlbvp.continuation.path import correct
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.branch import known_branch
 from pearlbvp.studies.onward import Centre
 
@@ -27,13 +26,13 @@ COLUMNS = ["number", "point", "block", "lambda2", "v", "form", "rate", "cubic", 
            "v_2", "E_2", "message"]  # fmt: skip
 
 
-def form_at(branch: Branch[PearlProblem], special: SpecialPoint, centre: Centre = "pearl") -> NormalForm:
+def form_at(branch: Branch[Any], special: SpecialPoint, centre: Centre = "pearl") -> NormalForm:
     """The normal form of a branch point, in the space in which the new branch lives.
 
     Args:
-        branch: a branch of pearls.
+        branch: of any family.
         special: one of its branch points.
-        centre: where the new branch is centred, as ``switched`` takes it.
+        centre: of pearls, where the new branch is centred, as ``switched`` takes it.
 
     Raises:
         ValueError: the point was not located, or its wave is not axisymmetric.
@@ -46,7 +45,7 @@ def form_at(branch: Branch[PearlProblem], special: SpecialPoint, centre: Centre 
     return normal_form(problem, u, tangent, symmetric=breaks)
 
 
-def rate_by_volume(branch: Branch[PearlProblem], special: SpecialPoint) -> float:
+def rate_by_volume(branch: Branch[Any], special: SpecialPoint) -> float:
     """Derivative of the neutral growth rate of a branch point by the reduced volume, along the branch."""
     entry = branch.at(special)
     problem, u, tangent = entry.problem, entry.u, entry.tangent
@@ -65,8 +64,8 @@ def rate_by_volume(branch: Branch[PearlProblem], special: SpecialPoint) -> float
     return float(by_rate / by_v)
 
 
-def normal_forms(branch: Branch[PearlProblem]) -> pd.DataFrame:
-    """The normal forms of all branch points of a branch of pearls.
+def normal_forms(branch: Branch[Any]) -> pd.DataFrame:
+    """The normal forms of all branch points of a branch.
 
     Returns:
         A row a branch point: ``number``, ``point``, ``block``, ``lambda2, v``; ``form`` (``pitchfork`` or ``transcritical``;

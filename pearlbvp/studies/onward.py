@@ -325,8 +325,8 @@ def _on_a_mesh(branch: Branch[Any], special: SpecialPoint) -> str:
     place, start = branch.at(special).observables, branch.points[0]
     if start.observables["amplitude"] > 1e-6:
         return (
-            "a mesh may follow them, in Python: studies.mesh.branch_from(*meshed(branch.points[k], 1000), options) "
-            "goes on from these pearls, and studies.onward.switched leaves it"
+            "a mesh may follow them, in Python: Branch.through(branch[k].meshed(1000)) goes on from these pearls, its switch "
+            "leaves them"
         )
     pearls = round(place["L"] / start.problem.profile(start.u).period)
     return Sentence(

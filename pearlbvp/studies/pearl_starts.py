@@ -19,11 +19,11 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.outline import Outline, downhill
 from pearlbvp.shapes.pearl import PearlProblem
-from pearlbvp.shapes.unduloid import unduloid_of
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.starts import Start, at_rest
 from pearlbvp.studies.stretches import NEAR
 from pearlbvp.studies.unduloids import beside
+from pearlbvp.theory.unduloid import unduloid_of
 
 THIN = 0.03
 """Radius of the neck at which branches end."""

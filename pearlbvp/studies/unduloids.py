@@ -14,8 +14,9 @@ from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
-from pearlbvp.shapes.unduloid import Unduloid, unduloid_of, unduloid_pearl
+from pearlbvp.shapes.unduloid import unduloid_pearl
 from pearlbvp.studies.search import Search
+from pearlbvp.theory.unduloid import Unduloid, unduloid_of
 from pearlbvp.units import Sentence
 
 BESIDE = 0.05

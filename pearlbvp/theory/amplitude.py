@@ -18,11 +18,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, cast, get_args
 
-import numpy as np
-
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, WaveNumbers, choice, cylinder_energy, cylinder_lambda1, mode_numbers
-from pearlbvp.roots import root
+from pearlbvp.helfrich import (
+    Tube,
+    WaveNumbers,
+    choice,
+    cylinder_energy,
+    cylinder_lambda1,
+    known_tube,
+    mode_numbers,
+)
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, mode_type, onset_lambda2, stable_interval
 from pearlbvp.units import Sentence
 
@@ -335,7 +340,13 @@ def amplitude_equation(tube: Tube, mode: WaveNumbers) -> AmplitudeEquation:
 
     Raises:
         InputError: see ``AmplitudeEquation``.
+
+    Examples:
+        >>> equation = amplitude_equation(Tube(0.48, 10), (1, 1))
+        >>> equation.families, equation.preferred  # of which one is stable at onset
+        (('coil', 'buckle'), 'buckle')
     """
+    known_tube(tube)
     m, n = mode_numbers("mode", mode, -math.inf)
     return AmplitudeEquation(tube, abs(m), abs(n))
 
@@ -347,52 +358,3 @@ def family_named(name: str) -> Family:
         InputError: there is none of that name.
     """
     return cast(Family, choice("family", name, get_args(Family)))
-
-
-def exchange_lengths(c0: float, m: int = 1, n: int = 1, shortest: float = 2.0, longest: float = 200.0) -> list[float]:
-    """Lengths, ``shortest`` to ``longest``, at which coils and buckles of a mode exchange stability (``b1 = b2``), increasing.
-
-    Args:
-        c0: spontaneous curvature.
-        m: waves along the tube, at least 1.
-        n: waves around it, at least 1.
-
-    Raises:
-        InputError: ``m`` or ``n`` is 0.
-    """
-    if m < 1 or n < 1:
-        raise InputError("mode", f"({m},{n}) has no coils and buckles", "give m,n with both >= 1")
-
-    def difference(length: float) -> float:
-        """``b1 - b2`` times the three denominators: it has no poles."""
-        k = 2 * math.pi * m / length
-        lambda2 = float(critical_lambda2(k, n, c0))
-        rates = [float(growth_rate(p * k, q, lambda2, c0)) for p, q in ((2, 2 * n), (2, 0), (0, 2 * n))]
-        forces = force22(k**2, n, lambda2), force20(k**2, n, c0, lambda2), force02(k**2, n, c0, lambda2)
-        direct = direct1(k**2, n, c0, lambda2) - direct2(k**2, n, c0, lambda2)
-        work = [-2 * forces[0] ** 2, forces[1] ** 2, forces[2] ** 2]
-        return float(
-            direct * rates[0] * rates[1] * rates[2]
-            + work[0] * rates[1] * rates[2]
-            + work[1] * rates[0] * rates[2]
-            + work[2] * rates[0] * rates[1]
-        )
-
-    lengths = np.geomspace(shortest, longest, 400)
-    values = np.array([difference(length) for length in lengths])
-    brackets = np.flatnonzero(values[1:] * values[:-1] < 0)
-    return [root(difference, float(lengths[i]), float(lengths[i + 1]), 1e-13) for i in brackets]
-
-
-def meeting_c0(one: WaveNumbers, two: WaveNumbers, length: float) -> float:
-    """The ``c0`` at which two modes of a tube are neutral at the same ``lambda2``: a point of codimension two.
-
-    Not a number where they never meet. (The paper leaves these out; wrinkling (0,2) and coiling (1,1) meet at
-    ``c0 = -1/4 + k^2/4``.)
-    """
-    kappa = [(2 * math.pi * m / length) ** 2 for m, _ in (one, two)]
-    e = [linear(q, n) for q, (_, n) in zip(kappa, (one, two), strict=True)]
-    if 0 in e:
-        return math.nan
-    slope = kappa[0] / e[0] - kappa[1] / e[1]
-    return (1 + (e[0] - e[1]) / (2 * slope)) / 2 if slope else math.nan

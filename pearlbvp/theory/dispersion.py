@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pearlbvp.arrays import numeric
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, WaveNumbers, finite
+from pearlbvp.helfrich import Tube, WaveNumbers, finite, known_tube
 from pearlbvp.units import Sentence
 
 LARGEST_LAMBDA2 = 1e6
@@ -24,22 +25,40 @@ SHORT_PERIOD = 0.2
 """Short waves whose branches, and their stability, are computed without trouble."""
 
 
-def growth_rate(k: ArrayLike, n: ArrayLike, lambda2: ArrayLike, c0: float) -> NDArray[np.float64]:
-    """Growth rate ``mu(k, n, lambda2)`` of a mode of the cylinder; positive means unstable. Broadcasts."""
-    kappa = np.square(np.asarray(k, dtype=float))
-    excess = kappa + np.square(np.asarray(n, dtype=float)) - 1
-    mu: NDArray[np.float64] = -(excess**2) / 2 + np.asarray(lambda2) * excess - (1 - 2 * c0) * kappa
+def growth_rate(k: ArrayLike, n: ArrayLike, lambda2: ArrayLike, c0: ArrayLike) -> NDArray[np.float64]:
+    """Growth rate ``mu(k, n, lambda2)`` of a mode of the cylinder; positive means unstable. Broadcasts.
+
+    Raises:
+        InputError: an argument that is no number and no array of them.
+
+    Examples:
+        >>> bool(growth_rate(0.5, 0, critical_lambda2(0.5, 0, 0.48) + 0.1, 0.48) < 0)  # pearls grow below it
+        True
+    """
+    kappa = np.square(numeric("k", k))
+    excess = kappa + np.square(numeric("n", n)) - 1
+    mu: NDArray[np.float64] = (
+        -(excess**2) / 2 + numeric("lambda2", lambda2) * excess - (1 - 2 * numeric("c0", c0)) * kappa
+    )
     return mu
 
 
-def critical_lambda2(k: ArrayLike, n: ArrayLike, c0: float) -> NDArray[np.float64]:
+def critical_lambda2(k: ArrayLike, n: ArrayLike, c0: ArrayLike) -> NDArray[np.float64]:
     """The ``lambda2`` at which the mode ``(k, n)`` is neutral: ``(q - 1)/2 + (1 - 2 c0) k^2/(q - 1)``. Broadcasts.
 
     Pearling is eq. (l2hu) of the paper, coiling/buckling eq. (inmixed), wrinkling ``(n^2 - 1)/2``. Not a number for
     modes that are neutral everywhere (translations, ``k = 0, n = 1``) or nowhere (``k = 1, n = 0``).
+
+    Raises:
+        InputError: an argument that is no number and no array of them.
+
+    Examples:
+        >>> critical_lambda2(0, [2, 3], 0.48).tolist()  # wrinkles of two and three lobes
+        [1.5, 4.0]
     """
-    kappa = np.square(np.asarray(k, dtype=float))
-    excess = kappa + np.square(np.asarray(n, dtype=float)) - 1
+    kappa = np.square(numeric("k", k))
+    excess = kappa + np.square(numeric("n", n)) - 1
+    c0 = numeric("c0", c0)
     with np.errstate(divide="ignore", invalid="ignore"):
         critical: NDArray[np.float64] = np.where(
             excess == 0, np.nan, excess / 2 + (1 - 2 * c0) * kappa / np.where(excess == 0, 1, excess)
@@ -147,7 +166,17 @@ class StableInterval:
 
 
 def stable_interval(tube: Tube) -> StableInterval:
-    """The stable interval of a straight tube of finite length, at a cost that does not depend on the length."""
+    """The stable interval of a straight tube of finite length, at a cost that does not depend on the length.
+
+    Raises:
+        InputError: it is no tube.
+
+    Examples:
+        >>> interval = stable_interval(Tube(0.48, 15))
+        >>> interval.lower_mode, interval.upper_mode, interval.exists
+        ((2, 0), (1, 1), True)
+    """
+    known_tube(tube)
     return stable_intervals(tube.c0, np.array([tube.length]))[0]
 
 
@@ -210,7 +239,7 @@ def stable_wave_numbers(c0: ArrayLike, pearls: ArrayLike) -> tuple[NDArray[np.fl
         >>> round(float(critical_lambda2(k, 0, 0.48) - critical_lambda2(k / 2, 0, 0.48)), 12)
         0.0
     """
-    share, c0 = 1 / np.asarray(pearls, dtype=float), np.asarray(c0, dtype=float)
+    share, c0 = 1 / numeric("pearls", pearls), numeric("c0", c0)
     others = (1 + share) ** 2, (1 - share) ** 2  # other kappa^2 - (1 + other) kappa + 1 - 2 (1 - 2 c0) = 0
     low, high = (
         np.sqrt(((1 + other) / 2 - np.sqrt((1 + other) ** 2 / 4 - other * (4 * c0 - 1))) / other) for other in others

@@ -253,6 +253,11 @@ def touching_ring(n: int) -> ElasticRing:
 
     Raises:
         InputError: see ``lobes``.
+
+    Examples:
+        >>> ring = touching_ring(2)
+        >>> round(ring.v, 6), round(ring.lambda2, 6), round(abs(ring.gap), 9)
+        (0.270948, 2.623443, 0.0)
     """
     least = math.asin(1 / lobes(n))
     most = least + 0.999 * (math.pi / 2 - least)
@@ -270,9 +275,16 @@ def ring_at(n: int, name: str, value: float) -> ElasticRing:
 
     Raises:
         InputError: another name, or a value that no ring has before it touches itself.
+
+    Examples:
+        >>> ring = ring_at(2, "v", 0.8)
+        >>> curve = ring.position(np.linspace(0, 2 * np.pi, 400))  # its section in the complex plane
+        >>> round(ring.v, 9), round(ring.lambda2, 4)
+        (0.8, 1.6925)
     """
     if name not in ("v", "lambda2"):
         raise InputError("name", f"rings are not found by {name!r}", "choose v or lambda2")
+    value = finite(name, value)
     least, contact = math.asin(1 / lobes(n)), touching_ring(n)
     first, last = (getattr(ring, name) for ring in (ring_at_angle(n, least), contact))
     if not min(first, last) <= value <= max(first, last):

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.arrays import Array
-from pearlbvp.helfrich import Tube, whole
+from pearlbvp.helfrich import Tube, known_tube, whole
 from pearlbvp.theory.amplitude import direct1, direct2, force02, force20, force22, linear
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, onset_lambda2
 
@@ -45,7 +45,7 @@ def force13(kappa: Any, c0: Any, lambda2: Any) -> Any:
 
 
 def meeting_curvature(kappa: Any) -> Any:
-    """``c0`` at which both are neutral together (``theory.amplitude.meeting_c0``)."""
+    """``c0`` at which both are neutral together (``theory.codimension_two.meeting_c0``)."""
     return (kappa - 1) / 4
 
 
@@ -70,6 +70,7 @@ class WrinklesAndCoils:
     m: int = 1
 
     def __post_init__(self) -> None:
+        known_tube(self.tube)
         whole("m", self.m)
         onset_lambda2(self.tube, self.m, 1)
 

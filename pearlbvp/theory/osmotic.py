@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from pearlbvp.arrays import Array
+from pearlbvp.helfrich import finite, positive
 from pearlbvp.theory.dispersion import growth_rate
 
 MOST_WAVES = 8
@@ -45,7 +46,15 @@ def onset_sizes(c0: float, period: float) -> Array:
     Roots of the growth rate on the similar tube of radius 1 (paper, eq. (eigs)):
 
         mu = -(k^2 s^2 - 1)^2/2 + (1 - s^2)(k^2 s^2 - 1)/4 - (1 - 2 c0 s) k^2 s^2
+
+    Raises:
+        InputError: the curvature is no number, or the period no positive one.
+
+    Examples:
+        >>> onset_sizes(0.4, 8).round(4).tolist()
+        [1.2431, 1.6662]
     """
+    c0, period = finite("c0", c0), positive("period", period)
     kappa = (2 * math.pi / period) ** 2
     return _positive_roots(-kappa / 4 - kappa**2 / 2, 2 * c0 * kappa, (kappa + 1) / 4, 0.0, -0.75)
 

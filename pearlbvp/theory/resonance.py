@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pearlbvp.errors import InputError
-from pearlbvp.helfrich import Tube, cylinder_lambda1
+from pearlbvp.helfrich import Tube, cylinder_lambda1, finite, known_tube, whole
 from pearlbvp.theory.amplitude import direct1, force22, linear, tension
 from pearlbvp.theory.dispersion import critical_lambda2, growth_rate, onset_lambda2
 
@@ -39,7 +39,15 @@ def resonant_lengths(c0: float, m: int = 1) -> list[float]:
     """Lengths of the tube at which pearls of ``m`` and ``2m`` waves are neutral together, increasing.
 
     From ``k^2 = (5 +- sqrt(41 - 64 c0))/8``; none for ``c0 > 41/64``.
+
+    Raises:
+        InputError: ``c0`` is no number, or ``m`` no whole one from 1 on.
+
+    Examples:
+        >>> [round(length, 4) for length in resonant_lengths(0.4)]
+        [5.9489, 17.1347]
     """
+    c0, m = finite("c0", c0), whole("m", m)
     if c0 > 41 / 64:
         return []
     roots = [(5 + sign * math.sqrt(41 - 64 * c0)) / 8 for sign in (1, -1)]
@@ -62,8 +70,8 @@ class Resonance:
     m: int = 1
 
     def __post_init__(self) -> None:
-        if not float(self.m).is_integer() or self.m < 1:
-            raise InputError("mode", f"{self.m} waves are none", "give a whole number from 1 on")
+        known_tube(self.tube)
+        whole("m", self.m)
         for waves in (self.m, 2 * self.m):
             onset_lambda2(self.tube, int(waves), 0)  # refuses pearls that branch off nowhere
 

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from pearlbvp.helfrich import Tube
-from pearlbvp.shapes.unduloid import unduloid_of, unduloid_pearl
+from pearlbvp.shapes.unduloid import unduloid_pearl
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.phases import phases
 from pearlbvp.studies.search import Search
 from pearlbvp.studies.unduloids import beside_unduloids
+from pearlbvp.theory.unduloid import unduloid_of
 
 
 def test_a_branch_passes_the_unduloid_of_its_period():

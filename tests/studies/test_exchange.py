@@ -10,7 +10,7 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.meeting import EXCHANGE_COLUMNS, exchange_table
 from pearlbvp.studies.onward import switched
-from pearlbvp.theory.amplitude import exchange_lengths
+from pearlbvp.theory.codimension_two import exchange_lengths
 
 TABLE = Path(__file__).parents[2] / "data" / "coils_and_buckles.csv"
 

@@ -8,13 +8,13 @@ import pytest
 from pearlbvp.continuation.events import first_wanted
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
-from pearlbvp.shapes.unduloid import unduloid_of
 from pearlbvp.stability.bloch import growth_rates
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.localized import localized_pearls
 from pearlbvp.studies.period import least_energies, pearl_periods
 from pearlbvp.studies.region import stability_region
 from pearlbvp.studies.shape import shape_branch
+from pearlbvp.theory.unduloid import unduloid_of
 
 
 def test_where_it_begins_at_the_straight_tube_it_is_the_localized_table():

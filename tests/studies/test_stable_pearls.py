@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 
 from pearlbvp.helfrich import Tube
-from pearlbvp.shapes.unduloid import unduloid_of
 from pearlbvp.stability.floquet import neutral_cosines
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.region import COLUMNS
 from pearlbvp.studies.unequal_pearls import COLUMNS as UNEQUAL
 from pearlbvp.studies.unequal_pearls import unequal_pearls
+from pearlbvp.theory.unduloid import unduloid_of
 
 DATA = Path(__file__).parents[2] / "data"
 EQUAL = pd.read_csv(DATA / "stable_pearls.csv", comment="#")

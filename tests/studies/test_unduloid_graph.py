@@ -12,12 +12,13 @@ from support.unduloids import neutral_tensions
 
 import pearlbvp as pb
 from pearlbvp.figures.branch import draw_branch
-from pearlbvp.shapes.unduloid import unduloid_of, unduloid_pearl
+from pearlbvp.shapes.unduloid import unduloid_pearl
 from pearlbvp.stability.floquet import neutral_cosines
 from pearlbvp.stability.spectrum import Block
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.onward import HALVED, followed, resumed
 from pearlbvp.studies.shape import shape_branch
+from pearlbvp.theory.unduloid import unduloid_of
 
 DATA = Path(__file__).parents[2] / "data"
 GRAPH = pd.read_csv(DATA / "graph_c0_075.csv", comment="#")

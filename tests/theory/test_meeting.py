@@ -13,7 +13,8 @@ from pearlbvp.studies.meeting import COLUMNS, meeting_table
 from pearlbvp.studies.mesh import meshed
 from pearlbvp.studies.onward import varied
 from pearlbvp.studies.ring_onsets import neutral_rings
-from pearlbvp.theory.amplitude import amplitude_equation, meeting_c0
+from pearlbvp.theory.amplitude import amplitude_equation
+from pearlbvp.theory.codimension_two import meeting_c0
 from pearlbvp.theory.meeting import WRINKLES, WrinklesAndCoils, meeting_curvature
 
 L = 10.0

@@ -15,7 +15,7 @@ from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.onward import STRAIGHT_WAVE, followed, switched, varied
 from pearlbvp.studies.saved import load, save
-from pearlbvp.theory.amplitude import exchange_lengths
+from pearlbvp.theory.codimension_two import exchange_lengths
 from pearlbvp.tube.onset import onset
 from pearlbvp.tube.problem import TubeProblem
 from pearlbvp.tube.shapes import TubeParameters
