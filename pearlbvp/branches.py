@@ -33,12 +33,6 @@ Until = Mapping[str, float]
 class Solution(solutions.Solution[Any]):
     """A point of a branch: ``observables``, ``spectrum``, ``slopes``, ``problem`` and ``u``, and the shape itself."""
 
-    @classmethod
-    def of(cls, found: solutions.Solution[Any]) -> Solution:
-        """A solution of the rooms below; growth rates that its branch has computed are not computed again."""
-        carried = {field.name: getattr(found, field.name) for field in fields(found)}
-        return cls(**carried | {"known": vars(found).get("spectrum", found.known)})
-
     def profile(self, samples: int = 400) -> pd.DataFrame:
         """The curve that the shape is made of, in radii: ``x, r, psi, H`` of pearls, sections of rings and coils.
 
@@ -79,6 +73,12 @@ class Solution(solutions.Solution[Any]):
         return draw_surfaces([self], columns=1)
 
 
+def _solution(found: solutions.Solution[Any]) -> Solution:
+    """The same with a profile and a surface; growth rates that the branch has computed are not computed again."""
+    carried = {field.name: getattr(found, field.name) for field in fields(found)}
+    return Solution(**carried | {"known": vars(found).get("spectrum", found.known)})
+
+
 def _is_kind(kind: str) -> bool:
     """Whether there are special points of a kind."""
     from pearlbvp.studies.branch import SPECIAL
@@ -101,7 +101,7 @@ class Branch(core.Branch[Any]):
         return len(self.points)
 
     def __iter__(self) -> Iterator[Solution]:
-        return map(Solution.of, self.points)
+        return map(_solution, self.points)
 
     @overload
     def __getitem__(self, which: int) -> Solution: ...
@@ -120,9 +120,9 @@ class Branch(core.Branch[Any]):
             IndexError: there is no such point.
         """
         if isinstance(which, slice):
-            return [Solution.of(point) for point in self.points[which]]
+            return [_solution(point) for point in self.points[which]]
         if not isinstance(which, str):
-            return Solution.of(self.points[which])
+            return _solution(self.points[which])
         kind, _, number = which.rpartition(":")
         kind = kind if number.isdigit() else which
         if not _is_kind(kind):
@@ -132,12 +132,12 @@ class Branch(core.Branch[Any]):
                 "give one like 'bp', 'bp:2', 'fold:v', 'cmc' or 'end', or a number",
             )
         if kind == which:
-            return [Solution.of(self.at(special)) for special in self.find(which)]
+            return [_solution(self.at(special)) for special in self.find(which)]
         found = self.find(kind)
         if not 1 <= int(number) <= len(found):
             there = counted(len(found), f"special point {kind}", f"special points {kind}")
             raise InputError("point", f"the branch has {there}, so there is no {which}", "follow it further")
-        return Solution.of(self.at(found[int(number) - 1]))
+        return _solution(self.at(found[int(number) - 1]))
 
     def resume(self, until: Until | None = None, **how: Any) -> Branch:
         """Go on from the last point; this branch and what follows as one.

@@ -125,9 +125,9 @@ class Flow(FlowResult):
         Raises:
             InputError: it did not come to rest, or its end is no point of a branch, as that of the straight tube.
         """
-        from pearlbvp.studies.flow_end import end_point
+        from pearlbvp.studies.flow_end import end_branch
 
-        return Solution.of(end_point(self))
+        return Branch.of(end_branch(self))[0]
 
     def branch(self, until: Until | None = None, *, down: bool | None = None, **how: Any) -> Branch:
         """The branch through its ``end``, along which volume changes.
