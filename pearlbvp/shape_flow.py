@@ -72,7 +72,15 @@ class FlowShape(Frame):
 
 
 class Flow(FlowResult):
-    """How a flow went: ``status``, ``reason`` and ``advice``, its table, the shapes on its way, and where it ended.
+    """How a flow went: its table, the shapes on its way, and where it ended.
+
+    Attributes:
+        status: ``steady`` (at rest on a stable shape), ``saddle`` (on an unstable one), ``time``, ``pinch``, ``overhang``,
+            ``unresolved``, ``stalled``, ``steps``, ``seconds``, ``interrupted``, or ``saved`` of one that was loaded.
+        reason: what happened, when and where.
+        advice: what to try, or empty.
+        equilibrium: what it rests on, in its own coordinates: ``observables``, ``growth_rates``.
+        state: the last shape, and the record of all that came before.
 
     Examples:
         >>> import pearlbvp as pb
@@ -255,9 +263,10 @@ def flow(
 
     Examples:
         >>> import pearlbvp as pb
-        >>> buckle = pb.branch(pb.Tube(c0=0.0, L=10), "buckle", until={"v": 0.95})[-1]
-        >>> pb.flow(buckle, delta=0.3, keep=True).described
-        'a right-handed coil'
+        >>> pearls = pb.branch(pb.Tube(c0=0.48, L=15), "pearl", (2, 0), until={"v": 1.015})
+        >>> pushed = pb.flow(pearls[-1], perturb="bump", delta=-0.01, xi=4, until=0.1)
+        >>> pushed.status, bool(pushed.table().E.is_monotonic_decreasing)
+        ('time', True)
     """
     coordinates = {"points": points, "size": size, "nodes": nodes, "discretization": discretization}
 
@@ -329,7 +338,7 @@ def flow_shape(
     return _run(begun, how)
 
 
-NUMBERS = ("until", "velocity", "rtol", "atol", "max_seconds", "resolution", "every")
+_NUMBERS = ("until", "velocity", "rtol", "atol", "max_seconds", "resolution", "every")
 """Fields of ``FlowOptions`` that are numbers above 0."""
 
 
@@ -340,7 +349,7 @@ def _run(begin: Callable[[], FlowState], how: Mapping[str, Any]) -> Flow:
         InputError: an argument that cannot be used.
     """
     check_names(how, [field.name for field in fields(FlowOptions)])
-    checked = {name: positive(name, how[name]) for name in NUMBERS if how.get(name, math.inf) != math.inf}
+    checked = {name: positive(name, how[name]) for name in _NUMBERS if how.get(name, math.inf) != math.inf}
     checked |= {name: whole(name, how[name]) for name in ("max_steps", "max_order") if name in how}
     with progress("step") as bar:
 

@@ -1,11 +1,14 @@
 """Flows at the public door: every start, what can be done with how it went, and what is said of mistakes."""
 
+import doctest
+
 import numpy as np
 import pandas as pd
 import pytest
 from support.commands import run
 
 import pearlbvp as pb
+from pearlbvp import shape_flow
 
 L = 10.0
 TUBE = pb.Tube(c0=0.0, L=L)
@@ -32,6 +35,11 @@ def radii(x, height=0.1):
 
 def bulged(x, phi):
     return np.column_stack((x, radii(x) * np.cos(phi), radii(x) * np.sin(phi)))
+
+
+def test_examples_are_true():
+    failed, tried = doctest.testmod(shape_flow)
+    assert failed == 0 < tried
 
 
 def test_where_a_flow_ends_is_a_point_of_a_branch_that_was_followed_without_it(pearls, localizing):
