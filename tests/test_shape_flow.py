@@ -180,7 +180,9 @@ X = np.linspace(0, L, 33)
         (lambda point: pb.flow(point, nodes=300, symmetric=False), "^symmetric: it says nothing of a triangulated tube"),
         (lambda point: pb.flow(point, nodes="many"), "^nodes: 'many' must be a whole number"),
         (lambda point: pb.flow(point, discretization="cotangent"), "^discretization: it is for triangulated tubes"),
-        (lambda point: pb.flow(point, nodes=300, discretization="squares"), "^kind: |^discretization: "),
+        (lambda point: pb.flow(point, nodes=300, discretization="squares"), "^discretization: 'squares' is unknown; choose one"),
+        (lambda point: pb.flow(point, nodes=0), "^nodes: 0 must be a whole number, 1 or more"),
+        (lambda point: pb.flow(point, symmetric=False, size="8,8"), "^size: '8,8' must be two whole numbers, waves along"),
         (lambda point: pb.flow(point, xi=2), "^xi: it is for bumps; leave it out$"),
         (lambda point: pb.flow(point, perturb="none", delta=0.1), "^delta: nothing is perturbed; leave it out$"),
         (lambda point: pb.flow(point, perturb="kick"), "^perturb: 'kick' is none of none, bump, critical$"),
@@ -233,6 +235,10 @@ def test_a_mesh_of_another_tube_is_refused():
             "^points: it says nothing of a triangulated tube; leave it out$",
         ),
         (lambda: pb.flow_shape(mesh, TUBE, law="drag"), "^law: 'drag' is none of"),
+        (
+            lambda: pb.flow_shape(mesh, TUBE, discretization="squares"),
+            "^discretization: 'squares' is unknown; choose one",
+        ),
     ):
         with pytest.raises(pb.InputError, match=said):
             call()

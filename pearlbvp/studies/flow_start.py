@@ -18,7 +18,7 @@ from pearlbvp.flows.problem import FlowProblem, Law
 from pearlbvp.flows.record import Equilibrium, FlowResult
 from pearlbvp.flows.steady import polished
 from pearlbvp.flows.tube import TubeFlow
-from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, finite, whole
+from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, finite, mode_numbers, whole
 from pearlbvp.representation import brief
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.branch import known_point
@@ -100,10 +100,12 @@ class FlowStart:
         """
         if kind not in get_args(Perturbation):
             raise InputError("perturb", f"{kind!r} is none of {', '.join(get_args(Perturbation))}")
-        given = (("delta", delta), ("xi", xi), ("centre", centre), ("keep", keep or None))
-        still, wide = ((kind == k, w) for k, w in (("none", "nothing is perturbed"), ("critical", "it is for bumps")))
-        refuse_idle(*((still[0] and value is not None, name, still[1]) for name, value in given))
-        refuse_idle(*((wide[0] and value is not None, name, wide[1]) for name, value in given[1:3]))
+        for name, value in {"delta": delta, "keep": keep or None, "xi": xi, "centre": centre}.items():
+            given, of_bumps = value is not None, name in ("xi", "centre")
+            refuse_idle(
+                (given and kind == "none", name, "nothing is perturbed"),
+                (given and kind == "critical" and of_bumps, name, "it is for bumps"),
+            )
         delta = DELTA if delta is None else finite("delta", delta)
         xi, centre = 1.0 if xi is None else finite("xi", xi), 0.0 if centre is None else finite("centre", centre)
         if not xi >= 0:
@@ -267,7 +269,9 @@ def solution_start(
         from pearlbvp.studies.mesh import NODES
         from pearlbvp.studies.mesh_flow import mesh_start  # the room of meshes is large, and only meshes need it
 
-        return mesh_start(point, nodes or NODES, kind=discretization or "subdivision", law=law)
+        count = NODES if nodes is None else whole("nodes", nodes)
+        return mesh_start(point, count, kind=discretization or "subdivision", law=law)
+    size = None if size is None else mode_numbers("size", size)
     if not outline:
         tube, u, _ = problem.in_modes(point.u, point.tangent)
         return tube_start(tube, u, law=law, size=size or (12, 12))
