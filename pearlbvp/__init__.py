@@ -1,8 +1,9 @@
 """pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability.
 
 An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``phases``,
-``flow``, ``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``stability_region``,
-``equilibria``, ``atlas``, ``scan``; ``Units`` for physical tubes; ``solve_bvp`` and ``continue_bvp`` for one's own equations.
+``flow``, ``flow_shape``, ``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``,
+``stability_region``, ``equilibria``, ``atlas``, ``scan``; ``Units`` for physical tubes; ``solve_bvp`` and ``continue_bvp`` for
+one's own equations.
 Each name is imported when it is first asked for.
 """
 
@@ -18,11 +19,12 @@ if TYPE_CHECKING:
     from pearlbvp.branches import Branch
     from pearlbvp.bvp import continue_bvp, solve_bvp
     from pearlbvp.errors import InputError
-    from pearlbvp.front import amplitude, branch, dispersion, flow, load, plot_shapes, predicted_branch
+    from pearlbvp.front import amplitude, branch, dispersion, load, plot_shapes, predicted_branch
     from pearlbvp.helfrich import Tube
     from pearlbvp.instabilities import amplitude_map
     from pearlbvp.phase_diagram import phases
     from pearlbvp.scans.scan import scan
+    from pearlbvp.shape_flow import Flow, flow, flow_shape
     from pearlbvp.solutions import Solution
     from pearlbvp.studies.equilibria import equilibria
     from pearlbvp.studies.families import register
@@ -40,6 +42,7 @@ for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "
 
 _HOMES = {
     "Branch": "branches:Branch",
+    "Flow": "shape_flow:Flow",
     "InputError": "errors:InputError",
     "PeriodicPearls": "studies.localized:PeriodicPearls",
     "Solution": "solutions:Solution",
@@ -53,7 +56,8 @@ _HOMES = {
     "diagram": "branch_diagram:diagram",
     "dispersion": "front:dispersion",
     "equilibria": "studies.equilibria:equilibria",
-    "flow": "front:flow",
+    "flow": "shape_flow:flow",
+    "flow_shape": "shape_flow:flow_shape",
     "growth": "studies.growth:growth",
     "load": "front:load",
     "localized_pearls": "studies.localized:localized_pearls",
@@ -72,6 +76,7 @@ _HOMES = {
 
 __all__ = [
     "Branch",
+    "Flow",
     "InputError",
     "PeriodicPearls",
     "Solution",
@@ -87,6 +92,7 @@ __all__ = [
     "dispersion",
     "equilibria",
     "flow",
+    "flow_shape",
     "growth",
     "load",
     "localized_pearls",
