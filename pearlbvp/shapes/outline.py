@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from pearlbvp.arrays import Array
 from pearlbvp.collocation import Discretization, gauss_scheme
@@ -214,6 +213,8 @@ class Outline:
         Args:
             cosines: ``a_1, a_2, ...``; the mean radius ``a_0`` is that of the right volume, where there is one.
         """
+        from scipy.interpolate import CubicSpline  # a tenth of a second to import, and only this needs it
+
         x = np.linspace(0, self.half, 8 * self.waves + 1)
         k = np.pi * np.arange(1, len(cosines) + 1) / self.half
         mean = math.sqrt(max(self.v - float(cosines @ cosines) / 2, NARROWEST))

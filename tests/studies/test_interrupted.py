@@ -12,7 +12,7 @@ from pearlbvp.flows import driver
 from pearlbvp.helfrich import Tube
 from pearlbvp.scans.scan import scan
 from pearlbvp.studies import branch as studies_branch
-from pearlbvp.studies import falls, region, starts, transitions
+from pearlbvp.studies import falls, region, stable_shapes, starts, transitions
 from pearlbvp.studies import phases as study
 from pearlbvp.studies.branch import branch_options, family_branch
 from pearlbvp.studies.diagram import Diagram
@@ -74,7 +74,7 @@ def test_branches_before_an_interruption_are_told(whole, monkeypatch):
 @pytest.mark.parametrize(
     ("room", "name", "call", "rows", "events", "said"),
     [
-        (study, "_stable_at", 3, 2, 4, "2 of 3 volumes are in the table"),
+        (stable_shapes, "_stable_at", 3, 2, 4, "2 of 3 volumes are in the table"),
         (transitions, "equal_energies", 1, 3, 2, "where the least shape changes was not computed"),
         (transitions, "_of_stability", 2, 3, 3, "not all transitions were computed"),
     ],

@@ -52,7 +52,7 @@ def test_every_public_name_is_there():
         (lambda: pb.theory.WrinklesAndCoils(10), "^tube: int must be a tube"),
         (lambda: pb.theory.touching_ring(1), "^mode: rings have a whole number of lobes"),
         (lambda: pb.theory.ring_at(2, "v", "a"), "^v: 'a' is not a number"),
-        (lambda: pb.theory.ring_at(2, "E", 1), "^name: rings are found by v or lambda2"),
+        (lambda: pb.theory.ring_at(2, "E", 1), "^name: rings are not found by 'E'"),
         (lambda: pb.theory.unduloid_of(-1), "^period: -1 must be positive"),
         (lambda: pb.theory.onset_sizes(0, "long"), "^period: 'long' is not a number"),
     ],
