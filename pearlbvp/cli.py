@@ -76,6 +76,9 @@ def main(arguments: list[str] | None = None) -> None:
             say(f"{shortened(error.filename)}: {error.strerror or error}; free space or choose another place")
         drop(sys.stdout)
         status = UNUSABLE
+    if arguments is None:  # all is written: what interrupts the end of a process leaves no trace
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
     sys.exit(status)
 
 

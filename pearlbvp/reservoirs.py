@@ -42,14 +42,14 @@ def _in_radii(part: str, scale: Scale | None, pressure: float, length: float) ->
             "give radius=50nm or the like, and give kappa=20kT",
         )
     if name == "ade":
-        modulus = _si(value, ENERGY, f"ade={value} is no energy; give one like 60kT", scale)
+        modulus = _si(value, ENERGY, (f"ade={value} is no energy", "give one like 60kT"), scale)
         return f"ade={2 * modulus / scale.energy!r}"  # which is 2 kappa
-    wrong = f"osmotic={value} is no concentration; give one like 300mM"
+    wrong = f"osmotic={value} is no concentration", "give one like 300mM"
     osmotic = _si(f"{value}*kT/particle", PRESSURE, wrong, scale)
     return f"osmotic={osmotic / pressure * math.pi * length!r}"
 
 
-def _si(text: str, dimension: Dimension, wrong: str, scale: Scale) -> float:
+def _si(text: str, dimension: Dimension, wrong: tuple[str, str], scale: Scale) -> float:
     """A quantity in SI units.
 
     Raises:
@@ -58,7 +58,7 @@ def _si(text: str, dimension: Dimension, wrong: str, scale: Scale) -> float:
     try:
         amount = read("fix", text, scale.temperature)
     except InputError:
-        raise InputError("fix", wrong) from None
+        raise InputError("fix", *wrong) from None
     if amount.dimension != dimension:
-        raise InputError("fix", wrong)
+        raise InputError("fix", *wrong)
     return amount.value

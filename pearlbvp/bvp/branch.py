@@ -215,7 +215,7 @@ def continue_bvp(
     if not solution.success:
         raise InputError("solution", f"it is none ({solution.message})", "solve the problem first")
     if direction not in (-1, 0, 1):
-        raise InputError("direction", f"{direction!r} is none of 1, -1 and 0")
+        raise InputError("direction", f"{direction!r} is none of 1, -1 and 0", "1 begins towards larger values")
     problem, u = _problem(solution, vary, {"norm": norm} if observables is None else observables)
     options = _options(problem.observables(u), vary, until or {}, folds, step, max_step, max_points)
     singular = abs(problem._distance(u)[0]) < NEUTRAL
@@ -296,8 +296,9 @@ def _problem(solution: BvpSolution, vary: str, observables: Observables) -> tupl
     for name, function in observables.items():
         value = function(problem.at(u))
         if name in names or np.ndim(value) or not math.isfinite(value):
-            which = "is a parameter's name; take another" if name in names else "is not one finite number; return one"
-            raise InputError("observables", f"{name} {which}")
+            named = name in names
+            which = f"{name} is a parameter's name" if named else f"{name} is not one finite number"
+            raise InputError("observables", which, "take another" if named else "return one")
     return problem, u
 
 
@@ -321,11 +322,11 @@ def _options(
         if number != int(number) or number < 1:
             raise InputError("until", f"{number:g} is no number of a {kind}", "count them from 1")
     smallest, step = PathOptions.min_step, min(0.1, max_step) if step is None else step
-    if max_points < 2 or not smallest < step <= max_step:
-        raise InputError(
-            "step",
-            f"{step:g} must be above {smallest:g} and not above max_step = {max_step:g}, and max_points 2 or more",
-        )
+    if max_points < 2:
+        raise InputError("max_points", f"{max_points} is less than 2", "allow the start and a point after it")
+    if not smallest < step <= max_step:
+        what = f"{step:g} must be above {smallest:g} and not above max_step = {max_step:g}"
+        raise InputError("step", what, "leave it out for 0.1, or max_step where that is less")
     return BranchOptions(
         path=PathOptions(step=step, max_step=max_step, max_points=max_points),
         until={name: float(value) for name, value in until.items() if name in observed},

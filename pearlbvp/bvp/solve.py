@@ -152,9 +152,10 @@ def solve_bvp(
         0.14053921
     """
     if m not in range(2, 8):
-        raise InputError("m", f"{m!r} is no whole number from 2 to 7")
-    if not tolerance > 0 or not max_intervals >= 1:
-        raise InputError("tolerance", "it and max_intervals must be positive")
+        raise InputError("m", f"{m!r} is no whole number from 2 to 7", "leave it out for 4")
+    for name, value in (("tolerance", tolerance), ("max_intervals", max_intervals)):
+        if not value > 0:
+            raise InputError(name, f"{value!r} must be positive", "leave it out for what is usual")
     points, values = _mesh_and_guess(mesh, guess)
     if not isinstance(parameters or {}, Mapping):
         raise InputError("parameters", "they must have names", 'give a dictionary such as {"lam": 1.0}')

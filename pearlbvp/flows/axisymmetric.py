@@ -125,7 +125,7 @@ class GraphFlow:
     def __post_init__(self) -> None:
         check_law(self.law)
         if self.points % 2 or not 8 <= self.points <= MOST_POINTS:
-            raise InputError("points", f"{self.points} is no even number from 8 to {MOST_POINTS}")
+            raise InputError("points", f"{self.points} is no even number from 8 to {MOST_POINTS}", "give one like 128")
 
     @cached_property
     def x(self) -> Array:

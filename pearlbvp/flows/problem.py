@@ -14,7 +14,7 @@ from dataclasses import Field
 from typing import Any, ClassVar, Literal, NamedTuple, Protocol, get_args
 
 from pearlbvp.arrays import Array
-from pearlbvp.errors import InputError
+from pearlbvp.helfrich import choice
 
 Law = Literal["area and volume", "area", "diffusion"]
 """What the flow keeps: area and volume; the area alone, at given pressure difference; or both in the ``H^-1`` flow
@@ -28,8 +28,7 @@ def check_law(law: str) -> None:
     Raises:
         InputError: which to choose.
     """
-    if law not in get_args(Law):
-        raise InputError("law", f"{law!r} is none of {', '.join(get_args(Law))}")
+    choice("law", law, get_args(Law))
 
 
 class Trouble(NamedTuple):

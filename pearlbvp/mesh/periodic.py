@@ -266,9 +266,8 @@ def _check_arrays(mesh: PeriodicMesh) -> None:
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
         raise InputError("vertices", f"shape {vertices.shape} is not (V, 3)", "give x, y, z of each vertex")
     if triangles.ndim != 2 or triangles.shape[1] != 3 or len(triangles) == 0 or mesh.wraps.shape != triangles.shape:
-        raise InputError(
-            "triangles", f"shapes {triangles.shape} and {mesh.wraps.shape} of triangles and wraps are not both (T, 3)"
-        )
+        what = f"shapes {triangles.shape} and {mesh.wraps.shape} of triangles and wraps are not both (T, 3)"
+        raise InputError("triangles", what, "give three vertices and three wraps of each")
     if not (np.isfinite(mesh.length) and mesh.length > 0):
         raise InputError("length", f"the period {mesh.length:g} is not a positive number", "give the tube's period")
     if (i := _first(~np.isfinite(vertices).all(axis=1))) is not None:

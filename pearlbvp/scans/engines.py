@@ -8,13 +8,13 @@ from __future__ import annotations
 import ctypes
 import os
 import threading
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, TypeVar
 
 from pearlbvp.errors import InputError
+from pearlbvp.studies.parallel import serve
 
 Answer = TypeVar("Answer")
 
@@ -42,17 +42,6 @@ class Here(Executor):
         return future
 
 
-def end_with(parent: int) -> None:
-    """Let this process end within a second of its parent, which may be killed while it waits for work."""
-
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(1)
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
-
-
 def local(workers: int) -> Engine:
     """So many processes on this machine; 1 is this process itself."""
 
@@ -65,7 +54,7 @@ def local(workers: int) -> Engine:
 
         threads = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
         pool = ProcessPoolExecutor(
-            max_workers=workers, env=threads, timeout=300, initializer=end_with, initargs=(os.getpid(),)
+            max_workers=workers, env=threads, timeout=300, initializer=serve, initargs=(os.getpid(),)
         )
         try:
             yield pool

@@ -118,12 +118,12 @@ class Store:
         try:
             yield
         except sqlite3.OperationalError as error:
-            why = str(error)
+            why, remedy = str(error), "choose another place"
             if "full" in why:
-                why = "the disk is full; what is finished is kept: free space and run the same again"
+                why, remedy = "the disk is full; what is finished is kept", "free space and run the same again"
             elif "locked" in why:
-                why = "another program holds it; close it there"
-            raise InputError(self.name, f"{self.path}: {why}") from None
+                why, remedy = "another program holds it", "close it there"
+            raise InputError(self.name, f"{self.path}: {why}", remedy) from None
         except sqlite3.DatabaseError as error:
             raise InputError(
                 self.name, f"{self.path} is no store or a broken one ({error})", "give another file"

@@ -229,7 +229,8 @@ def compared(table: pd.DataFrame, equation: AmplitudeEquation, family: Family) -
     chosen = A > 1e-6
     if not chosen.any():
         side = "above" if equation.a < 0 else "below"
-        raise InputError("compare", f"the table has no point with v {side} 1, where the {family} branch is")
+        what = f"the table has no point with v {side} 1, where the {family} branch is"
+        raise InputError("compare", what, "give the table of that branch")
     A, rows = A[chosen], table[chosen]
     predicted = pd.DataFrame([equation.at(family, float(a)) | {WAVE: 2 * float(a)} for a in A])
     cylinder[WAVE] = 0.0

@@ -281,7 +281,8 @@ def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlPr
     multipliers = np.array([0.0, lambda1, lambda2 / 2])
     problem, u, why = pearl_of_outline(outline, outline.of_radius(cosines[1:]), multipliers, tolerance=tolerance)
     if why:
-        raise InputError("flow", f"its end led to no equilibrium of the arclength problem ({why})")
+        what = f"its end led to no equilibrium of the arclength problem ({why})"
+        raise InputError("flow", what, "let it rest to a smaller velocity, or flow on more points")
     return resolved(replace(problem, cells=pearls), u)
 
 

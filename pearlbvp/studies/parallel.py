@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
+from functools import cache
 from typing import TypeVar
 
 from pearlbvp.messages import say
@@ -30,12 +35,33 @@ def in_processes(
         return
     from joblib import Parallel, delayed, parallel_config  # a fifth of a second to import, and only scans need it
 
-    done = 0
+    done, parent = 0, os.getpid()
     try:
         with parallel_config("loky", n_jobs=processes or -1, inner_max_num_threads=1):
-            for row in Parallel(return_as="generator", batch_size=batch)(delayed(function)(case) for case in cases):
+            for row in Parallel(return_as="generator", batch_size=batch)(
+                delayed(_in_worker)(function, case, parent) for case in cases
+            ):
                 yield row
                 done += 1
     except BrokenProcessPool:
         say(f"a worker process was killed; the other {len(cases) - done} are done in one")
         yield from map(function, cases[done:])
+
+
+def _in_worker(function: Callable[[Case], Row], case: Case, parent: int) -> Row:
+    if os.getpid() != parent:
+        serve(parent)
+    return function(case)
+
+
+@cache
+def serve(parent: int) -> None:
+    """Leave Ctrl-C, which all processes of a terminal get, to the parent, and end within a second of it if that is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

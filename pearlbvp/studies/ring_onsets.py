@@ -229,7 +229,7 @@ def neutral_rings(c0: float, n: int, wave_numbers: float | str | Iterable[float]
     rows: list[dict[str, Any]] = []
     for k in as_numbers("wave_numbers", wave_numbers):
         if k <= 0:
-            raise InputError("wave_numbers", f"{k:g} must be above 0")
+            raise InputError("wave_numbers", f"{k:g} must be above 0", "give some like 0.1:1:0.1")
         for c, parity in classes_of(rings.n):
             for neutral in rings.neutral(c, parity, k):
                 name = str(neutral.block).split(" ", 1)[1]

@@ -223,7 +223,8 @@ class AmplitudeEquation:
             InputError: pearls and wrinkles are their own mirror images.
         """
         if not (self.m and self.n):
-            raise InputError("mode", f"({self.m},{self.n}) is {self.kind}, which has one wave and no b2")
+            what = f"({self.m},{self.n}) is {self.kind}, which has one wave and no b2"
+            raise InputError("mode", what, "b1 is its coefficient")
         direct = direct2(self.kappa, self.n, self.tube.c0, self.lambda2)
         return float(direct + self._force20 * self.slaved["A20"] + self._force02 * self.slaved["A02"])
 

@@ -272,7 +272,7 @@ def ring_at(n: int, name: str, value: float) -> ElasticRing:
         InputError: another name, or a value that no ring has before it touches itself.
     """
     if name not in ("v", "lambda2"):
-        raise InputError("name", f"rings are found by v or lambda2, not by {name!r}")
+        raise InputError("name", f"rings are not found by {name!r}", "choose v or lambda2")
     least, contact = math.asin(1 / lobes(n)), touching_ring(n)
     first, last = (getattr(ring, name) for ring in (ring_at_angle(n, least), contact))
     if not min(first, last) <= value <= max(first, last):

@@ -335,7 +335,7 @@ def test_mistakes_in_a_problem_are_named(change, message):
         ("lam", {"folds": ["E"]}, "no parameter or observable is called 'E'"),
         ("lam", {"direction": 2}, "direction: 2 is none"),
         ("lam", {"step": 1.0}, "step: "),
-        ("lam", {"max_points": 1}, "step: .* max_points"),
+        ("lam", {"max_points": 1}, "max_points: 1 is less than 2"),
         ("lam", {"observables": {"lam": lambda s: 1.0}}, "observables: lam is a parameter's name"),
         ("lam", {"observables": {"y": lambda s: s.y}}, "observables: y is not one finite number"),
         ("lam", {"across": True}, "across: the solution is no branch point"),

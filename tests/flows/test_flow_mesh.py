@@ -241,7 +241,7 @@ def test_starts_from_files_and_from_branches_on_meshes(tmp_path):
     seen = found.observables(q, np.zeros(2))
     for name in ("E", "v", "r_max"):
         assert seen[name] == pytest.approx(exact[name], rel=2e-3), name
-    with pytest.raises(InputError, match="^law: 'drag' is none of"):
+    with pytest.raises(InputError, match="^law: 'drag' is unknown; choose one of area and volume"):
         surface_start(0.0, problem.surface(u), law="drag")
 
 

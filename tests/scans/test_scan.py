@@ -269,7 +269,7 @@ def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
         pass
 
 
-CHILD = "import os, time; from pearlbvp.scans.engines import end_with; end_with(os.getppid()); print(1, flush=True); time.sleep(60)"
+CHILD = "import os, time; from pearlbvp.studies.parallel import serve; serve(os.getppid()); print(1, flush=True); time.sleep(60)"
 PARENT = "import subprocess, sys; subprocess.run([sys.executable, '-c', sys.argv[1]])"
 
 
