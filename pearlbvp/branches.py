@@ -16,6 +16,7 @@ from pearlbvp.continuation import solution as solutions
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import whole
 from pearlbvp.messages import counted
+from pearlbvp.numbers import as_whole
 from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
@@ -123,21 +124,22 @@ class Branch(core.Branch[Any]):
             return [_solution(point) for point in self.points[which]]
         if not isinstance(which, str):
             return _solution(self.points[which])
-        kind, _, number = which.rpartition(":")
-        kind = kind if number.isdigit() else which
+        kind, _, last = which.rpartition(":")
+        number = as_whole(last)
+        kind = which if number is None else kind
         if not _is_kind(kind):
             raise InputError(
                 "point",
                 f"{which!r} is no special point",
                 "give one like 'bp', 'bp:2', 'fold:v', 'cmc' or 'end', or a number",
             )
-        if kind == which:
+        if number is None:
             return [_solution(self.at(special)) for special in self.find(which)]
         found = self.find(kind)
-        if not 1 <= int(number) <= len(found):
+        if not 1 <= number <= len(found):
             there = counted(len(found), f"special point {kind}", f"special points {kind}")
             raise InputError("point", f"the branch has {there}, so there is no {which}", "follow it further")
-        return _solution(self.at(found[int(number) - 1]))
+        return _solution(self.at(found[number - 1]))
 
     def resume(self, until: Until | None = None, **how: Any) -> Branch:
         """Go on from the last point; this branch and what follows as one.

@@ -61,6 +61,8 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit status: 0 done, 1 some rows failed, 2 unusable input."""
     _draw_on_our_own_terms()
     with contextlib.suppress(ValueError):  # in a thread signals are not ours
+        if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # else whoever started us wants none
+            signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as by Ctrl-C, what was computed is written
     open_streams()
     try:
@@ -77,8 +79,9 @@ def main(arguments: list[str] | None = None) -> None:
         drop(sys.stdout)
         status = UNUSABLE
     if arguments is None:  # all is written: what interrupts the end of a process leaves no trace
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            if signal.getsignal(number) is signal.default_int_handler:
+                signal.signal(number, signal.SIG_DFL)
     sys.exit(status)
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterable
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
@@ -14,12 +16,12 @@ MOST = 100_000
 
 def _number(name: str, text: str) -> Decimal:
     try:
-        number = Decimal(text.strip())
-    except InvalidOperation:
-        number = Decimal("nan")
-    if not number.is_finite():
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
         raise InputError(name, f"{text.strip()!r} is not a finite number", "write numbers like 15 or 7.5")
-    return number
+    return Decimal(repr(number))
 
 
 def parse_numbers(name: str, text: str) -> list[float]:
@@ -55,6 +57,11 @@ def parse_numbers(name: str, text: str) -> list[float]:
             )
         numbers.extend(float(start + i * step) for i in range(int((stop - start) / step) + 1))
     return numbers
+
+
+def as_whole(text: str) -> int | None:
+    """The whole number that a text is, of 18 digits at most, with a sign or without; None where it is none."""
+    return int(text) if re.fullmatch(r"\s*[+-]?[0-9]{1,18}\s*", text) else None
 
 
 def as_numbers(name: str, values: float | str | Iterable[float]) -> list[float]:

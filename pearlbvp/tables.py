@@ -10,6 +10,7 @@ from difflib import get_close_matches
 
 from pearlbvp.errors import InputError
 from pearlbvp.files import MOST_TEXT, read_whole
+from pearlbvp.numbers import as_whole
 
 COMMENTS = ("#", "%")
 
@@ -97,7 +98,7 @@ def read_table(
         raise InputError(name, f"{path} holds no table", "it needs a header and at least one row")
     for row in rows:
         if len(row) != len(header):
-            decimal = len(row) > len(header) and all(word.strip().lstrip("+-").isdigit() for word in row)
+            decimal = len(row) > len(header) and all(as_whole(word) is not None for word in row)
             raise InputError(
                 name,
                 f"{path} has {len(header)} columns but a row of {len(row)}: {','.join(row)[:80]}",

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pearlbvp.errors import InputError
-from pearlbvp.numbers import parse_numbers
+from pearlbvp.numbers import as_whole, parse_numbers
 
 
 def test_lists_and_ranges():
@@ -47,3 +47,17 @@ def test_any_text_is_numbers_or_one_clear_line(text):
         assert str(error).startswith("--lengths: ")
     else:
         assert all(isinstance(number, float) for number in numbers)
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [("7", 7), ("+7", 7), (" -7 ", -7), ("+-7", None), ("\u00b2", None), ("1.5", None), ("", None), ("5" * 5000, None)],
+)
+def test_whole_numbers_in_texts(text, number):
+    assert as_whole(text) == number
+
+
+@pytest.mark.parametrize("text", ["1e400", "0:1e999999:1e-999999", "1e999999:1e999999:1"])
+def test_numbers_that_no_computer_has_are_not_finite(text):
+    with pytest.raises(InputError, match="^x: .* is not a finite number"):
+        parse_numbers("x", text)

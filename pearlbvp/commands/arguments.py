@@ -161,12 +161,14 @@ class Until(Quantity):
     ) -> tuple[str, float | Written]:
         """Split and parse the text: column and value, or kind and number, 1 where none is given."""
         from pearlbvp.helfrich import finite
+        from pearlbvp.numbers import as_whole
 
         name, equals, number = str(value).partition("=")
         if equals:
             return name.strip(), Written(number) if has_unit(number) else finite("--until", number)  # type: ignore[arg-type]
         kind, _, last = name.strip().rpartition(":")
-        kind, count = (kind, int(last)) if kind and last.isdigit() else (name.strip(), 1)
+        which = as_whole(last)
+        kind, count = (name.strip(), 1) if which is None or not kind else (kind, which)
         if kind.partition(":")[0] not in ("bp", "cmc", "fold"):
             raise InputError(
                 "--until", f"{value!r} must be NAME=VALUE, like v=1.1, or a special point, like bp, bp:2, fold:v or cmc"
@@ -194,10 +196,13 @@ class SpecialKind(click.ParamType):  # type: ignore[type-arg]
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, int]:
         """Split and parse the text."""
-        kind, _, number = str(value).rpartition(":")
-        if not (kind == "bp" or kind.startswith("fold:")) or not number.isdigit():
+        from pearlbvp.numbers import as_whole
+
+        kind, _, last = str(value).rpartition(":")
+        number = as_whole(last)
+        if not (kind == "bp" or kind.startswith("fold:")) or number is None:
             raise InputError("KIND:K", f"{value!r} must be bp:K or fold:NAME:K, like fold:v:1")
-        return kind, int(number)
+        return kind, number
 
 
 class ModeNumbers(click.ParamType):  # type: ignore[type-arg]
@@ -207,7 +212,9 @@ class ModeNumbers(click.ParamType):  # type: ignore[type-arg]
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
         """Split and parse the text."""
-        m, comma, n = str(value).partition(",")
-        if not (comma and m.strip().isdigit() and n.strip().isdigit()):
+        from pearlbvp.numbers import as_whole
+
+        m, n = (as_whole(part) for part in str(value).partition(",")[::2])
+        if m is None or n is None:
             raise InputError("--mode", f"{value!r} must be two whole numbers m,n, like 1,0")
-        return int(m), int(n)
+        return m, n

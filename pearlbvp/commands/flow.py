@@ -319,6 +319,7 @@ def _start(
 ) -> tuple[Any, Any]:  # fmt: skip
     """Problem and coordinates of the start."""
     from pearlbvp.helfrich import Tube, finite
+    from pearlbvp.numbers import as_whole
     from pearlbvp.studies.branch import branch_options, family_branch
     from pearlbvp.studies.flow_start import profile_start, solution_start
     from pearlbvp.studies.point import chosen, sample
@@ -341,7 +342,7 @@ def _start(
         if c0 is None or length is None:
             raise InputError("--c0, --length", "give both, or a saved branch with --from")
         name, equals, value = point.partition("=")
-        if not equals and point.lstrip("+-").isdigit():
+        if not equals and as_whole(point) is not None:
             raise InputError(
                 "--point", "without --from, give NAME=VALUE, like v=1.02, for how far the branch is followed"
             )

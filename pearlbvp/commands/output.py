@@ -159,6 +159,9 @@ def write(
     def draw_and_save() -> None:
         if plot is None:
             return
+        if table.empty:
+            say("there is no picture, for no row is done")
+            return
         from pearlbvp.figures.canvas import save_figure
         from pearlbvp.files import write_whole
 

@@ -180,10 +180,12 @@ def _amplitude_map(c0: float, length: float) -> Row:
 
 def _waves(mode: str) -> tuple[int, int]:
     """Waves along and around, from a case's ``m:n``."""
-    along, _, around = mode.partition(":")
-    if not (along.isdigit() and around.isdigit()):
+    from pearlbvp.numbers import as_whole
+
+    along, around = (as_whole(part) for part in mode.partition(":")[::2])
+    if along is None or around is None:
         raise InputError("mode", f"{mode.replace(':', ',')!r} is no mode", "give waves along and around, like 1,1")
-    return int(along), int(around)
+    return along, around
 
 
 def _check_branch(case: Case) -> None:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from pearlbvp.errors import InputError
 from pearlbvp.files import named
-from pearlbvp.helfrich import positive, whole
-from pearlbvp.numbers import as_numbers
+from pearlbvp.helfrich import Tube, positive, whole
+from pearlbvp.numbers import as_numbers, as_whole
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.scans import engines
 from pearlbvp.scans.case import Case, Value
@@ -71,9 +71,14 @@ def _values(name: str, given: Any) -> list[Value]:
     numbers = as_numbers(name, given)
     if name == "pearls":
         return [whole(name, number, 2) for number in numbers]
-    if name in ("c0", "lambda1", "membrane_viscosity"):
+    if name in ("lambda1", "membrane_viscosity"):
         return list(numbers)
-    return [positive(name, number) for number in numbers]
+    tubes = {"c0": lambda c0: Tube(c0, 10.0).c0, "L": lambda length: Tube(0.0, length).length}
+    known = tubes.get("L" if name == "period" else name, lambda number: positive(name, number))
+    try:
+        return [known(number) for number in numbers]
+    except InputError as error:
+        raise error.named(name) from None
 
 
 def engine_of(workers: int | str | None, scheduler: str | None = None) -> tuple[engines.Engine, int]:
@@ -90,15 +95,21 @@ def engine_of(workers: int | str | None, scheduler: str | None = None) -> tuple[
         if workers is not None:
             raise InputError("workers", "the scheduler has its own", "leave one of the two out")
         return engines.dask(scheduler), 4 * engines.cores()
-    if isinstance(workers, str) and workers.startswith("dask:") and workers[5:].isdigit():
-        count = whole("workers", int(workers[5:]))
-        return engines.dask(count), count
-    if isinstance(workers, str) and not workers.isdigit():
+    if workers is None:
+        return engines.local(engines.cores()), engines.cores()
+    number = as_whole(workers.removeprefix("dask:")) if isinstance(workers, str) else workers
+    if number is None:
         raise InputError(
             "workers", f"{workers!r} is no number of processes", "give one, or dask:8 for a cluster of so many"
         )
-    count = engines.cores() if workers is None else whole("workers", int(workers))
-    return engines.local(count), count
+    count = whole("workers", number)
+    if count > MOST_WORKERS:
+        raise InputError("workers", f"{count} are too many for one machine", f"give {MOST_WORKERS} at most")
+    return (engines.dask if str(workers).startswith("dask:") else engines.local)(count), count
+
+
+MOST_WORKERS = 1000
+"""Processes that this machine may be asked for."""
 
 
 def scan(

@@ -16,6 +16,7 @@ from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite, whole
 from pearlbvp.mesh.periodic import PeriodicMesh
+from pearlbvp.numbers import as_whole
 from pearlbvp.studies.branch import STOPS, known_branch, known_point
 from pearlbvp.studies.mesh import NODES
 from pearlbvp.studies.point import special_place
@@ -40,10 +41,11 @@ def stored(branch: Branch[Any], name: str) -> tuple[int, str]:
         InputError: there is no such point.
     """
     last, name = len(known_branch(branch).points) - 1, str(name)
-    if name.lstrip("+-").isdigit():
-        if not -last - 1 <= int(name) <= last:
-            raise InputError("point", f"there is no point {int(name)}", f"the branch has points 0 to {last}")
-        return int(name) % (last + 1), ""
+    number = as_whole(name)
+    if number is not None:
+        if not -last - 1 <= number <= last:
+            raise InputError("point", f"there is no point {number}", f"the branch has points 0 to {last}")
+        return number % (last + 1), ""
     column, equals, text = name.partition("=")
     if not equals:
         place = special_place(branch, name)

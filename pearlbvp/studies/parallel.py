@@ -30,6 +30,7 @@ def in_processes(
         fewest: cases below which starting processes costs more than it saves.
         batch: cases that a process takes at once.
     """
+    processes = processes and max(1, min(processes, len(cases)))
     if processes == 1 or (len(cases) < fewest and processes is None):
         yield from map(function, cases)
         return

@@ -12,6 +12,7 @@ from pearlbvp.continuation.segment import Segment
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
+from pearlbvp.numbers import as_whole
 from pearlbvp.studies.branch import known_branch
 from pearlbvp.units import Sentence
 
@@ -50,8 +51,9 @@ def special_place(branch: Branch[Any], name: str) -> int | None:
         branch: of any family.
         name: ``bp``, ``bp:2``, ``fold:v``, ``fold:v:2``, ``start``, ``end``: kind and number, the first where none is given.
     """
-    kind, _, number = name.rpartition(":")
-    kind, count = (kind, int(number)) if kind and number.isdigit() else (name, 1)
+    kind, _, last = name.rpartition(":")
+    number = as_whole(last)
+    kind, count = (name, 1) if number is None or not kind else (kind, number)
     places = [special.index for special in branch.find(kind)]
     return places[count - 1] if 1 <= count <= len(places) else None
 

@@ -22,6 +22,9 @@ from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite, positive
 from pearlbvp.theory.dispersion import growing_waves, growth_rate
 
+LARGEST = 1e12
+"""Viscosity by that of the fluid outside beyond which a number is a mistake of units."""
+
 
 @dataclass(frozen=True)
 class Fluids:
@@ -32,7 +35,7 @@ class Fluids:
         membrane_viscosity: surface viscosity of the membrane, by the viscosity of the fluid outside and the radius.
 
     Raises:
-        InputError: the ratio is not positive, or the viscosity of the membrane negative.
+        InputError: the ratio is not positive, or the viscosity of the membrane negative, or one of them too large.
     """
 
     viscosity_ratio: float = 1.0
@@ -43,6 +46,11 @@ class Fluids:
         object.__setattr__(self, "membrane_viscosity", finite("membrane_viscosity", self.membrane_viscosity))
         if self.membrane_viscosity < 0:
             raise InputError("membrane_viscosity", f"{self.membrane_viscosity:g} is negative", "give 0 or more")
+        for name, value in vars(self).items():
+            if value > LARGEST:
+                raise InputError(
+                    name, f"{value:g} is beyond {LARGEST:g} by the viscosity of the fluid outside", "check its unit"
+                )
 
 
 WATER = Fluids()

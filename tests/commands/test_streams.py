@@ -1,5 +1,6 @@
 """Standard streams that are closed, full, or gone: results go where they can, messages are dropped, nothing ends in a trace."""
 
+import signal
 import subprocess
 import sys
 
@@ -61,3 +62,21 @@ def test_a_reader_of_messages_that_has_had_enough_is_no_error(tmp_path):
     assert done.stderr == ""
     assert (tmp_path / "status").read_text().strip() == "1"
     assert len(pd.read_csv(tmp_path / "t.csv")) == 3
+
+
+IMPORTING = """
+import os, runpy, signal, sys
+
+class Interrupting:
+    def find_spec(self, name, *_):
+        if name == "pearlbvp.commands.branch":
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupting())
+runpy.run_module("pearlbvp", run_name="__main__")
+"""
+
+
+def test_an_interruption_while_all_is_imported_leaves_no_trace():
+    done = subprocess.run([sys.executable, "-c", IMPORTING, "--help"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")

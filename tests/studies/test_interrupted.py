@@ -119,12 +119,15 @@ def test_a_scan_keeps_no_part_of_a_branch_as_an_answer(tmp_path, monkeypatch):
     assert scan("branch", tmp_path / "a.sqlite", workers=1, **asked)["status"].tolist() == ["found", "found"]
 
 
-def test_a_region_that_is_interrupted_says_so(capsys, monkeypatch):
-    stopped_at(monkeypatch, region, "_rows", 2)
+@pytest.mark.parametrize("call", [1, 2])
+def test_a_region_that_is_interrupted_says_so(capsys, monkeypatch, tmp_path, call):
+    picture = tmp_path / "p.png"
+    stopped_at(monkeypatch, region, "_rows", call)
     words = ["region", "--c0", "0.48", "--periods", "7.5,8", "--pearls", "2", "--starts", "0", "--processes", "1"]
-    status, out, err = run(capsys, *words)
-    assert (status, len(out.splitlines())) == (130, 2)
-    assert "interrupted: 1 rows are done and kept" in err
+    status, out, err = run(capsys, *words, "--plot", picture)
+    assert (status, len(out.splitlines())) == (130, call)
+    assert f"interrupted: {call - 1} rows are done and kept" in err
+    assert (picture.exists(), "no picture, for no row is done" in err) == (call == 2, call == 1)
 
 
 def test_only_interruptions_are_caught():
