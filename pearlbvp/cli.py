@@ -78,10 +78,10 @@ def main(arguments: list[str] | None = None) -> None:
             say(f"{shortened(error.filename)}: {error.strerror or error}; free space or choose another place")
         drop(sys.stdout)
         status = UNUSABLE
-    if arguments is None:  # all is written: what interrupts the end of a process leaves no trace
-        for number in (signal.SIGINT, signal.SIGTERM):
-            if signal.getsignal(number) is signal.default_int_handler:
-                signal.signal(number, signal.SIG_DFL)
+    if arguments is None:
+        # All is written: while the process and its workers end, an interruption would only leave a trace.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
     sys.exit(status)
 
 

@@ -35,10 +35,22 @@ def finite(name: str, value: float) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise InputError(name, f"{value!r} is not a number", "give one like 0.48") from None
+        raise InputError(name, f"{_told(value)} is not a number", "give one like 0.48") from None
+    except OverflowError:  # a whole number of hundreds of digits
+        number = math.inf
     if not math.isfinite(number):
-        raise InputError(name, f"{value!r} is not finite", "give an ordinary number")
+        raise InputError(name, f"{_told(value)} is not finite", "give an ordinary number")
     return number
+
+
+def _told(value: object) -> str:
+    """What was given, on a part of a line."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= MOST_TOLD else f"{text[:MOST_TOLD]}..."
+
+
+MOST_TOLD = 80
+"""Characters of a wrong value that a message shows."""
 
 
 def positive(name: str, value: float) -> float:
@@ -49,7 +61,7 @@ def positive(name: str, value: float) -> float:
     """
     number = finite(name, value)
     if number <= 0:
-        raise InputError(name, f"{value!r} must be positive", "give a number above 0")
+        raise InputError(name, f"{_told(value)} must be positive", "give a number above 0")
     return number
 
 
@@ -62,7 +74,7 @@ def whole(name: str, value: float, least: float = 1) -> int:
     number = math.nan if isinstance(value, str) else finite(name, value)  # type: ignore[unreachable]
     if not (number == math.floor(number) if math.isfinite(number) else False) or number < least:
         bound = f", {least} or more" if math.isfinite(least) else ""
-        raise InputError(name, f"{value!r} must be a whole number{bound}", f"give one like {max(least, 2)}")
+        raise InputError(name, f"{_told(value)} must be a whole number{bound}", f"give one like {max(least, 2)}")
     return int(number)
 
 
@@ -77,7 +89,7 @@ def mode_numbers(name: str, value: tuple[int, int], least: float = 0) -> tuple[i
         return whole(name, m, least), whole(name, n, least)
     except (TypeError, ValueError):  # an InputError is one of the latter
         raise InputError(
-            name, f"{value!r} must be two whole numbers, waves along and around", "give a pair like (1, 1)"
+            name, f"{_told(value)} must be two whole numbers, waves along and around", "give a pair like (1, 1)"
         ) from None
 
 
@@ -90,7 +102,7 @@ def mode_list(modes: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
     try:
         return [mode_numbers("mode", mode) for mode in modes]
     except TypeError:
-        raise InputError("modes", f"{modes!r} must be a list of pairs", "give one like [(1, 0), (1, 1)]") from None
+        raise InputError("modes", f"{_told(modes)} must be a list of pairs", "give one like [(1, 0), (1, 1)]") from None
 
 
 def choice(name: str, value: str, known: Sequence[str]) -> str:

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable
 from decimal import Decimal
+from typing import Any
 
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import finite
@@ -64,6 +65,11 @@ def as_whole(text: str) -> int | None:
     return int(text) if re.fullmatch(r"\s*[+-]?[0-9]{1,18}\s*", text) else None
 
 
+def several(values: Any) -> list[Any]:
+    """Several values, or one alone, which may be an array without an axis."""
+    return list(values) if isinstance(values, Iterable) and getattr(values, "ndim", True) else [values]
+
+
 def as_numbers(name: str, values: float | str | Iterable[float]) -> list[float]:
     """One number, several, or a text for ``parse_numbers``, as a list.
 
@@ -72,8 +78,7 @@ def as_numbers(name: str, values: float | str | Iterable[float]) -> list[float]:
     """
     if isinstance(values, str):
         return parse_numbers(name, values)
-    several = values if isinstance(values, Iterable) else [values]
-    numbers = [finite(name, value) for value in several]
+    numbers = [finite(name, value) for value in several(values)]
     if not numbers:
         raise InputError(name, "the list is empty", "give at least one number")
     return numbers

@@ -2,12 +2,14 @@
 
 from decimal import Decimal
 
+import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pearlbvp.errors import InputError
-from pearlbvp.numbers import as_whole, parse_numbers
+from pearlbvp.numbers import as_numbers, as_whole, parse_numbers
 
 
 def test_lists_and_ranges():
@@ -61,3 +63,12 @@ def test_whole_numbers_in_texts(text, number):
 def test_numbers_that_no_computer_has_are_not_finite(text):
     with pytest.raises(InputError, match="^x: .* is not a finite number"):
         parse_numbers("x", text)
+
+
+def test_wrong_values_are_told_on_a_line():
+    for value in (10**400, pd.Series([1.0, 2.0]), "5" * 500, np.ones((9, 9))):
+        with pytest.raises(InputError) as refused:
+            as_numbers("x", [value])
+        assert len(str(refused.value)) < 160
+        assert "\n" not in str(refused.value)
+    assert as_numbers("x", np.array(3.0)) == [3]

@@ -48,6 +48,8 @@ def resume(file: Path, fix: str | None, **how: Any) -> int:
             say(
                 f"the wanted {there.kind} is point {there.index} of the branch already, at v = {v:.8g}; nothing was computed"
             )
+        for name in onward.led_away(branch, options):
+            say(f"{name} moves away from its wanted value where the branch ends, and comes to it only where it turns")
         return onward.resumed(branch, options)
 
     return asked.run(follow)

@@ -137,9 +137,10 @@ def _of_modes(problem: TubeProblem, u: Array, spectrum: Spectrum, shared: Shared
 
 @critical.register
 def _of_meshes(problem: MeshProblem, u: Array, spectrum: Spectrum, shared: Shared) -> Wave:
-    """The normal part of the displacements of the vertices."""
+    """The normal part of the displacements of the surface's points, which are no vertices of a control mesh."""
     block = spectrum.critical
     found = problem.block_modes(u, {block: 1})
-    normals = vertex_normals(problem.surface(u))
-    vector = found.vectors[block][:, 0] * (normals * problem.directions).sum(axis=1)
+    moved = problem.vertices(u) + found.vectors[block][:, :1] * problem.directions
+    along = problem.functional.points(moved) - problem.points(u)
+    vector = (vertex_normals(problem.surface(u)) * along).sum(axis=1)
     return Wave(float(found.rates[block][0]), {"values": packed(vector)})

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pearlbvp.errors import InputError
 from pearlbvp.files import named
 from pearlbvp.helfrich import Tube, positive, whole
-from pearlbvp.numbers import as_numbers, as_whole
+from pearlbvp.numbers import as_numbers, as_whole, several
 from pearlbvp.progress import progress as progress_bar
 from pearlbvp.scans import engines
 from pearlbvp.scans.case import Case, Value
@@ -48,8 +48,8 @@ def cases_of(question: Question, parameters: Mapping[str, Values | None]) -> lis
             raise InputError(name, f"{question.name} needs it", "give one value or several")
         values.append(_values(name, given))
     count = 1
-    for several in values:
-        count *= len(several)
+    for numbers in values:
+        count *= len(numbers)
     if count > MOST_CASES:
         raise InputError(
             question.parameters[0], f"{count:,} cases are too many", f"give fewer values, up to {MOST_CASES:,} cases"
@@ -63,7 +63,7 @@ def cases_of(question: Question, parameters: Mapping[str, Values | None]) -> lis
 def _values(name: str, given: Any) -> list[Value]:
     """The values of one parameter."""
     if name in ("family", "mode"):
-        return [given] if isinstance(given, str) else [str(word) for word in given]
+        return [given] if isinstance(given, str) else [str(word) for word in several(given)]
     if name == "period" and isinstance(given, str) and given == CRITICAL:
         return [CRITICAL]
     if name == "L" and isinstance(given, str) and given == ANY:

@@ -210,7 +210,7 @@ def diagram(
                     skipped[child] = why
                 else:
                     tasks[child] = _secondary, (branch, number, centre, kept)
-        if not complete:
+        if not (complete and tasks):
             break
     order = list(primary)
 

@@ -57,6 +57,15 @@ def resumed(branch: Branch[Any], options: BranchOptions) -> Branch[Any]:
     return branch.extended(further)
 
 
+def led_away(branch: Branch[Any], options: BranchOptions) -> list[str]:
+    """Columns that move away from their wanted values where a branch ends: what is resumed reaches those after a turn only."""
+    if len(branch.points) == 1:  # it has no direction yet
+        return []
+    last = branch.points[-1]
+    varying = [name for name in options.until if name in last.slopes and name not in last.problem.constant]
+    return [name for name in varying if (options.until[name] - last.value(name)) * last.slopes[name] < 0]
+
+
 def wanted_there(branch: Branch[Any], options: BranchOptions) -> SpecialPoint | None:
     """The special point that is wanted of a branch, where that has it already.
 

@@ -39,7 +39,12 @@ def test_branch_is_saved_resumed_switched_and_varied(capsys, tmp_path):
     assert table.v.iloc[-1] == 1.01
     assert table[table.special == "bp"].lambda2.iloc[0] == pytest.approx(-0.376218681462, abs=1e-10)
     assert is_png(tmp_path / "b.png")
-    status, out, _ = run(capsys, "resume", saved, "--until", "v=1.02", "--save", more)
+    status, out, err = run(capsys, "resume", saved, "--until", "v=1.005", "--max-points", 2)
+    assert err.startswith(
+        "pearlbvp: v moves away from its wanted value where the branch ends, and comes to it only where it turns"
+    )
+    status, out, err = run(capsys, "resume", saved, "--until", "v=1.02", "--save", more)
+    assert err == ""
     longer = pd.read_csv(io.StringIO(out), keep_default_na=False)
     assert longer.iloc[: len(table) - 1].equals(table.iloc[:-1])
     status, out, _ = run(capsys, "switch", more, "1", "--until", "v=1.05")

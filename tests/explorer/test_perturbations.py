@@ -9,10 +9,12 @@ import math
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import pearlbvp as pb
 from pearlbvp.explorer.perturbations import critical
 from pearlbvp.explorer.shapes import Shared
+from pearlbvp.studies.mesh import meshed
 
 
 def unpacked(text):
@@ -104,3 +106,21 @@ def test_the_lagrangian_falls_along_the_wave_as_its_growth_rate_says(tube, famil
     second = (above - 2 * here + below) / step**2
     assert -second / (w**2 * size).mean() == pytest.approx(wave.rate, rel=1e-4)
     assert wave.rate == pytest.approx(point.spectrum.mu_crit, rel=1e-6)
+
+
+def test_on_meshes_it_is_that_of_the_same_pearls_by_bloch_waves():
+    """At every point of the surface, to the order of the mesh; both are drawn by their largest value."""
+    tube = pb.Tube(0.48, 15.0)
+    point = pb.branch(tube, "pearl", (2, 0), until={"v": 1.03})[-1]
+    wave, points, _, w = pearls(point, tube)
+    x = np.append(points[:, 0, 0], points[0, 0, 0] + tube.L)
+    exact = CubicSpline(x, np.append(w[:, 0], w[0, 0]), bc_type="periodic")
+    errors = []
+    for nodes in (200, 400):
+        problem, u = meshed(point, nodes)
+        drawn = critical(problem, u, problem.spectrum(u), Shared())
+        values, expected = unpacked(drawn.drawn["values"]), exact(problem.points(u)[:, 0])
+        errors.append(np.abs(values * (expected @ values) / (values @ values) - expected).max() / np.abs(w).max())
+        assert drawn.rate == pytest.approx(wave.rate, rel=1.5e-2 * (200 / nodes) ** 2)
+    assert errors[0] < 3e-3
+    assert errors[1] < errors[0] / 4  # edges are shorter by the root of 2

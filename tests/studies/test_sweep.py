@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from support.sweep import Case, drawn, faults, unstable_on_the_cylinder
+from support.sweep import Case, drawn, drawn_diagram, faults, faults_of_diagram, unstable_on_the_cylinder
 
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
@@ -36,3 +36,8 @@ def test_all_that_grows_on_a_coil_is_counted(c0, length, m):
     start = branch.points[0]
     expected = unstable_on_the_cylinder(Case("coil", c0, length, m, 1, 0.5), start.observables["lambda2"])
     assert start.spectrum.n_unstable == expected > 20
+
+
+@pytest.mark.parametrize("seed", [2, 9, 12, 16, 28])
+def test_diagrams_of_any_tube_name_all_that_crosses_and_follow_it_from_there(seed):
+    assert not faults_of_diagram(*drawn_diagram(seed))

@@ -12,6 +12,7 @@ from pearlbvp.continuation.branch import Branch
 from pearlbvp.errors import InputError
 from pearlbvp.helfrich import Tube
 from pearlbvp.studies.branch import branch_options, family_branch
+from pearlbvp.studies.diagram import Diagram, diagram
 from pearlbvp.theory.dispersion import growth_rate
 
 FAMILIES = ("pearl", "ring", "coil", "buckle")
@@ -94,13 +95,52 @@ def faults(case: Case) -> tuple[list[str], Branch[Any] | None]:
         expected = unstable_on_the_cylinder(case, start.observables["lambda2"])
         if start.spectrum.n_unstable != expected:
             found.append(f"{start.spectrum.n_unstable} unstable directions at the start, {expected} in closed form")
+    return found + unlike_the_work(branch), branch
+
+
+def unlike_the_work(branch: Branch[Any]) -> list[str]:
+    """Where the energy along a branch changes otherwise than by ``-lambda2 dv/2``."""
+    found = []
     for before, after in zip(branch.points[:-1], branch.points[1:], strict=True):
         error, allowed = work(before, after)
         # Growth rates are known about as well as the solutions that they are of.
         allowed += max(before.spectrum.residual, after.spectrum.residual)
         if not error <= allowed:
             found.append(f"E changes by {error:.1e} more than -lambda2 dv/2, where {allowed:.1e} is allowed")
-    return found, branch
+    return found
+
+
+def drawn_diagram(seed: int) -> tuple[Diagram, int]:
+    """All branches of two modes of a tube to a depth, for some points, and the depth: c0 from -2 to 1.5, lengths 3 to 40."""
+    rng = np.random.default_rng((17, seed))
+    c0, length, depth = round(float(rng.uniform(-2, 1.5)), 3), round(float(rng.uniform(3, 40)), 2), int(rng.integers(2))
+    modes = [(1, 0), (2, 0), (1, 1), (0, 2), (0, 3), (2, 1), (1, 2), (3, 0)]
+    chosen = [modes[i] for i in rng.choice(len(modes), 2, replace=False)]
+    options = branch_options(max_points=5, max_step=float(rng.choice([0.2, 0.5, 1.0])))
+    return diagram(c0, length, depth, options, modes=chosen, processes=1), depth
+
+
+def faults_of_diagram(found: Diagram, depth: int) -> list[str]:
+    """What is wrong with a diagram: branches that begin off their parents, or are neither followed nor said to be skipped."""
+    faults = [f"{name}: {fault}" for name, branch in found.branches.items() for fault in unlike_the_work(branch)]
+    told = {**found.skipped, **{name: branch.reason for name, branch in found.branches.items()}}
+    faults += [f"{name} ends with the reason {why!r}" for name, why in told.items() if not why or "\n" in why]
+    faults += [f"{name} is followed and skipped" for name in found.skipped if name in found.branches]
+    faults += [f"{name} is a twin of none" for name, other in found.twins.items() if other not in found.branches]
+    for name, branch in found.branches.items():
+        if name.count("/") < depth:
+            children = {f"{name}/{number + 1}" for number in range(len(branch.find("bp")))}
+            faults += [f"{child} is neither followed nor skipped" for child in children - told.keys()]
+        parent, _, number = name.rpartition("/")
+        if not parent:
+            continue
+        leaves = found.branches[parent]
+        there = leaves.at(leaves.find("bp")[int(number.split()[0]) - 1])
+        for column in ("v", "E", "lambda2", "r_max"):
+            gap = abs(there.value(column) - branch.points[0].value(column))
+            if gap > 1e-7 * (1 + abs(there.value(column))):
+                faults.append(f"{name} begins off its parent: {column} by {gap:.1e}")
+    return faults
 
 
 def work(before: Any, after: Any) -> tuple[float, float]:
