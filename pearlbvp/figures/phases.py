@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,9 @@ WIDTH, HEIGHT = 9.5, 6.2
 
 LEFT, RIGHT = 0.11, 0.78
 """Sides of the axes, in shares of the figure; names stand at the right."""
+
+LETTERS = 25
+"""Of a line beside the axes."""
 
 MOST_NAMED = 16
 """Branches that have a line in the legend: the stable ones first."""
@@ -93,7 +97,7 @@ def _draw_energies(axes: Axes, curves: pd.DataFrame, colours: Mapping[str, str],
         for stable, style in ((True, "-"), (False, "--")):
             part = rows[rows["stable"] == stable]
             if part["v"].notna().any():
-                label = None if named else f"{name}: {words[name]}" if name in words else name
+                label = None if named else textwrap.fill(f"{name}: {words[name]}" if name in words else name, LETTERS)
                 axes.plot(part["v"], part["excess"], style, color=colour, linewidth=1.5 if stable else 1.0, label=label)
                 named = True
     highest = curves.groupby("branch")["excess"].max()
