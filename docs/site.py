@@ -23,11 +23,23 @@ from mkdocs.structure.pages import Page
 ROOT = Path(__file__).parents[1]
 OUTSIDE = {"README.md": "overview.md", "CHANGELOG.md": "changes.md"}
 NOTEBOOK = re.compile(r"\]\(\.\./notebooks/(\w+)\.ipynb")
-PAGE_NAMED = re.compile(r"\[[\w/]+\.md\]\(([\w./]+\.md)(#[\w-]+)?\)")
+PAGE_NAMED = re.compile(r"\[[\w./]+\.md\]\(([\w./]+\.md)(#[\w-]+)?\)")
 """A link that says the name of a file in the repository."""
 
 REFERENCE = "reference/"
 CODE = re.compile(r"<(pre|code)\b.*?</\1>", re.DOTALL)
+INLINE = re.compile(
+    r'(<div class="language-sh .*?</div>)|<(?:pre|code class)\b.*?</(?:pre|code)>|<code>(.*?)</code>', re.DOTALL
+)
+OPTION, WHOLE = re.compile(r"--[a-z][\w-]*"), r'<span class="whole">\g<0></span>'
+
+CELL = re.compile(r"<td\b.*?</td>", re.DOTALL)
+POWER = re.compile(r"(?<![\w.])-?\d[\d.]*e-\d+")
+"""A number that is not to be broken at the sign of its exponent."""
+
+SCRIPTED = re.compile(r"(<msu[bp]+>)(<mo minsize[^>]*>.</mo>)")
+"""A bracket of a given size with an exponent: Chromium sizes it as what stands in a row only."""
+
 ARITHMATEX = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 
 
@@ -109,12 +121,28 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
             mathml = converter.convert_with_local_state(tex, displaystyle=formula[1] == "div")
         except LatexError as error:
             raise PluginError(f"{page.file.src_uri}: {tex}: {error}") from error
+        mathml = SCRIPTED.sub(r"\1<mrow>\2</mrow>", mathml)
         return f'<div class="formula">{mathml}</div>' if formula[1] == "div" else mathml
 
-    content = ARITHMATEX.sub(converted, content)
+    content = INLINE.sub(_inline, ARITHMATEX.sub(converted, content))
+    content = CELL.sub(lambda cell: POWER.sub(WHOLE, cell[0]), content)
     if "$" in CODE.sub("", content):
         raise PluginError(f"{page.file.src_uri}: a dollar sign that is neither code nor a formula")
     return content
+
+
+def _inline(code: re.Match[str]) -> str:
+    r"""Code at the end of a line: an option does not break at its hyphens, a list of columns does at its commas.
+
+    Of a bar in a table's cell, which is written `\|`, there is the bar.
+    """
+    shell, text = code.groups()
+    if shell:
+        return OPTION.sub(WHOLE, shell)
+    if text is None:
+        return code[0]
+    text = OPTION.sub(WHOLE, text.replace(r"\|", "|"))
+    return f"<code>{re.sub(r',(?=[a-zA-Z])', ',<wbr>', text)}</code>"
 
 
 def _pages(nav: Any) -> Iterator[str]:

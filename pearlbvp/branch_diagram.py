@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from pearlbvp.branches import Branch, Until
@@ -19,8 +19,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@dataclass(frozen=True, repr=False)
 class Diagram(study.Diagram):
-    """Branches by name: ``branches["3/1"]`` is what crosses three equal pearls at their first branch point."""
+    """Branches by name: ``branches["3/1"]`` is what crosses three equal pearls at their first branch point.
+
+    Attributes:
+        called: whether somebody gave the names, which then stand in pictures, too.
+    """
+
+    called: bool = False
 
     def plot(
         self,
@@ -53,7 +60,7 @@ class Diagram(study.Diagram):
             if name not in table:
                 raise InputError("column", f"{name} is not in the table", f"take one of {', '.join(map(str, table))}")
         energies = None if reference is None else Reference.of(reference, self.branches)
-        return draw_plane(self.branches, x, y, title, units, reference=energies, shapes=shapes)
+        return draw_plane(self.branches, x, y, title, units, reference=energies, shapes=shapes, called=self.called)
 
 
 def diagram(
@@ -90,7 +97,7 @@ def diagram(
     if isinstance(tube, Mapping):
         if not tube:
             raise InputError("tube", "there are no branches in it", "give some by name, or a tube")
-        return Diagram({str(name): Branch.of(known_branch(each)) for name, each in tube.items()}, {})
+        return Diagram({str(name): Branch.of(known_branch(each)) for name, each in tube.items()}, {}, called=True)
     options = None if until is None else branch_options(until)
     known_tube(tube)
     with progress("branch") as bar:

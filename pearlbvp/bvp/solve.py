@@ -28,7 +28,8 @@ class BvpSolution:
         discretization: problem and mesh, on [0, 1].
         u: the unknown on it.
         interval: where ``t`` begins and ends.
-        tolerance, max_intervals: as ``solve_bvp`` took them.
+        tolerance: as ``solve_bvp`` took it.
+        max_intervals: the same.
         iterations: Newton iterations on all meshes together.
         tangent: of the branch that it is of, with the varied parameter the last unknown; None where it is of none.
     """

@@ -127,7 +127,8 @@ function shapes() {
   const extent = Math.max(...found.map((each) => each.at.reduce((most, value, i) => i % 3 ? Math.max(most, Math.abs(value)) : most, 0)));
   const half = tubes * Math.max(...found.map((each) => each.length)) / 2;
   found.forEach((each, i) => views[i].show(each, tubes, name, ends, [half, extent]));
-  $("caption").textContent = called(state.series, state.point);
+  const lacking = name === "plain" || found[0][name] ? "" : name === "u" ? "; no critical perturbation is known" : `; ${name} is not known`;
+  $("caption").textContent = called(state.series, state.point) + lacking;
   $("caption2").textContent = state.beside ? called(state.beside.series, state.beside.point) : "";
   $("scale").hidden = name === "plain" || !fields.length;
   if (!$("scale").hidden) {
@@ -211,7 +212,7 @@ function play() {
     if (state.point === now().points.length - 1) choose(state.series, 0);
     state.timer = setInterval(() => state.point < now().points.length - 1 ? choose(state.series, state.point + 1) : play(), 120);
   }
-  $("play").textContent = state.timer ? "⏸ stop" : "▶ play";
+  $("play").textContent = state.timer ? "■ stop" : "▶ play";
   $("play").setAttribute("aria-pressed", String(Boolean(state.timer)));
 }
 

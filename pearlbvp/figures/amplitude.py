@@ -64,8 +64,8 @@ def draw_map(table: pd.DataFrame, exchange: pd.DataFrame, units: Units = RADII) 
     title = "lower end: mode m:n that destabilizes (sub: subcritical)"
     dress(left, units.axis_label("c0"), units.axis_label("L"), title)
     upper = table["upper_mode"] + " " + table["stable"]
-    _draw_cells(right, table, upper)
     visible = exchange[exchange["L"].between(table["L"].min(), table["L"].max())]
+    _draw_cells(right, table, upper, visible[["c0", "L"]].to_numpy(float))
     right.plot(visible["c0"], visible["L"], "k.", markersize=3)
     dress(
         right,
@@ -81,8 +81,11 @@ PAPER = {"facecolor": "white", "alpha": 0.6, "linewidth": 0, "pad": 1}
 """What words are written on."""
 
 
-def _draw_cells(axes: Axes, table: pd.DataFrame, words: pd.Series) -> None:
-    """A grid coloured by a word for each cell, with the word written in the middle of its region."""
+NO_DOTS = np.zeros((0, 2))
+
+
+def _draw_cells(axes: Axes, table: pd.DataFrame, words: pd.Series, dots: np.ndarray = NO_DOTS) -> None:
+    """A grid coloured by a word for each cell, with the word written in the middle of its region, beside dots (``c0, L``)."""
     grid = pd.DataFrame({"c0": table["c0"], "L": table["L"], "word": words.str.strip()})
     names = [name for name in grid["word"].value_counts().index if name]
     cells = grid.pivot(index="L", columns="c0", values="word")
@@ -109,10 +112,10 @@ def _draw_cells(axes: Axes, table: pd.DataFrame, words: pd.Series) -> None:
         vmax=len(colours) - 0.5,
         shading="nearest",
     )
-    _write_names(axes, cells, codes, names)
+    _write_names(axes, cells, codes, names, dots)
 
 
-def _write_names(axes: Axes, cells: pd.DataFrame, codes: np.ndarray, names: Sequence[str]) -> None:
+def _write_names(axes: Axes, cells: pd.DataFrame, codes: np.ndarray, names: Sequence[str], dots: np.ndarray) -> None:
     """The word of each region where it covers least of others, near the middle of its own, and no word written before.
 
     In a region that is narrow it is written upwards.
@@ -123,6 +126,8 @@ def _write_names(axes: Axes, cells: pd.DataFrame, codes: np.ndarray, names: Sequ
         np.array(axes.get_window_extent().size)[::-1] / axes.figure.dpi
     )  # cells, y and x
     written = np.zeros(codes.shape, dtype=bool)
+    for c0, length in dots:
+        written[np.abs(y - length).argmin(), np.abs(x - c0).argmin()] = True
     for code, name in enumerate(names):
         own = codes == code
         if own.sum() <= LEAST * codes.size:

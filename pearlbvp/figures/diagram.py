@@ -18,7 +18,7 @@ from pearlbvp.dimensions import AXES
 from pearlbvp.figures.branch import draw_curve
 from pearlbvp.figures.canvas import FAMILIES, OTHERS, add_legend, dress, new_figure, note_unit, own_style
 from pearlbvp.figures.places import covered, free_places
-from pearlbvp.figures.surface import box_of, coarse, seen_points, show_surface, shown
+from pearlbvp.figures.surface import box_of, coarse, seen_points, show_surface, shown, tint
 from pearlbvp.studies.diagram import curves, tubes_apart
 from pearlbvp.studies.energies import Reference
 from pearlbvp.studies.names import Name, names
@@ -40,6 +40,7 @@ def draw_plane(
     *,
     reference: Reference | None = None,
     shapes: bool = False,
+    called: bool = False,
 ) -> Figure:
     """Any two columns of several branches, unstable parts dashed, special points marked, named as people name them.
 
@@ -50,6 +51,7 @@ def draw_plane(
         units: of the axes.
         reference: what energies are drawn above.
         shapes: whether some shapes are drawn at their places.
+        called: whether branches stand in the legend by the names that they come with.
 
     Raises:
         InputError: the reference has none of the volumes.
@@ -61,7 +63,8 @@ def draw_plane(
     figure, axes = new_figure(1, 1, width=9.5 if beside or shapes else 7.0, height=5.6 if shapes else 4.8)
     colours = shades(named)
     for key, name in named.items():
-        label = f"{name}{chr(10) if beside else ' '}({tubes[key]})" if tubes else str(name)
+        words = key if called else name
+        label = f"{words}{chr(10) if beside else ' '}({tubes[key]})" if tubes else str(words)
         draw_curve(axes, table[table["branch"] == key], x, y, colours[key], label)
     across, up = (units.axis_label(name, None if name in AXES else name) for name in (x, y))
     if reference is not None:
@@ -105,8 +108,8 @@ def _hex(colour: Array) -> str:
 
 # Shapes at their places.
 
-MOST_SHAPES = 8
-"""Shapes in a picture, unless there are more branches."""
+MOST_SHAPES = 6
+"""Shapes in a picture, about, unless there are more branches."""
 
 LARGEST = (1.9, 1.2)
 """Width and height of the largest shape, in inches."""
@@ -131,10 +134,11 @@ def _add_shapes(
     colours: Mapping[str, str],
 ) -> None:
     """Surfaces of some points, each near its point, in the tint of its branch, all to one scale."""
+    each = max(1, (MOST_SHAPES + len(branches) // 2) // len(branches))
     chosen = [
         (str(key), rows[[*columns]].to_numpy(float)[place], branches[str(key)].points[number])
         for key, rows in table.groupby("branch", sort=False)
-        for place, number in _chosen(branches[str(key)], rows, columns, max(1, MOST_SHAPES // len(branches)))
+        for place, number in _chosen(branches[str(key)], rows, columns, each)
     ]
     if not chosen:
         return
@@ -143,14 +147,14 @@ def _add_shapes(
     inches = np.array(axes.get_window_extent().size) / axes.figure.dpi
     scale = min(np.minimum(LARGEST, SHARE * inches) / (2 * boxes.max(axis=0)))
     at = np.array([place for _, place, _ in chosen])
-    found = _free(axes, at, 2 * scale * boxes)
+    found = _free(axes, at, surfaces, boxes, scale)
     for _ in range(ATTEMPTS):
         if None not in found:
             break
         scale *= SMALLER
         low, high = axes.get_ylim()
         axes.set_ylim(low - ROOM * (high - low), high + ROOM * (high - low))
-        found = _free(axes, at, 2 * scale * boxes)
+        found = _free(axes, at, surfaces, boxes, scale)
     for (key, place, _), surface, box, corner in zip(chosen, surfaces, boxes, found, strict=True):
         if corner is not None:
             _add_shape(axes, surface, (float(box[0]), float(box[1])), scale, corner, place, colours[key])
@@ -171,8 +175,8 @@ def _chosen(branch: Branch[Any], rows: pd.DataFrame, columns: tuple[str, str], c
     return [(int(known[i]), round(float(rows["point"].iloc[known[i]]))) for i in places]
 
 
-def _free(axes: Axes, at: Array, sizes: Array) -> list[tuple[int, int] | None]:
-    """Lower left corners, in cells of the axes, of boxes whose sizes are given in inches."""
+def _free(axes: Axes, at: Array, surfaces: list[Any], boxes: Array, scale: float) -> list[tuple[int, int] | None]:
+    """Lower left corners, in cells of the axes, of the boxes of surfaces at a scale in inches."""
     figure = axes.figure
     FigureCanvasAgg(figure).draw()  # type: ignore[arg-type]  # which places the legend
     inches = np.array(axes.get_window_extent().size) / figure.dpi
@@ -191,8 +195,12 @@ def _free(axes: Axes, at: Array, sizes: Array) -> list[tuple[int, int] | None]:
         corners = axes.transAxes.inverted().transform(legend.get_window_extent().get_points()) * cells
         low, high = np.clip(np.floor(corners), 0, cells).astype(int)
         taken[low[0] : high[0] + 1, low[1] : high[1] + 1] = True
-    boxes = np.ceil(FINENESS * sizes).astype(int)
-    return free_places(taken, [(int(w), int(h)) for w, h in boxes], [(float(x), float(y)) for x, y in in_cells(at)])
+    sizes = [(int(w), int(h)) for w, h in np.ceil(FINENESS * 2 * scale * boxes)]
+    seen = [
+        np.unique(np.floor(FINENESS * scale * (seen_points(surface) + box)), axis=0)
+        for surface, box in zip(surfaces, boxes, strict=True)
+    ]
+    return free_places(taken, sizes, [(float(x), float(y)) for x, y in in_cells(at)], seen)
 
 
 def _add_shape(
@@ -212,8 +220,7 @@ def _add_shape(
     place = axes.get_position()
     share = np.array([place.width, place.height])
     inset = figure.add_axes((*(np.array([place.x0, place.y0]) + low * share), *(size * share)))
-    tint = np.array(to_rgb(colour))
-    show_surface(inset, surface, box, _hex(tint + TINT * (1 - tint)))
+    show_surface(inset, surface, box, tint(colour))
     own = axes.transAxes.inverted().transform(axes.transData.transform(at))
     seen = low + size * (0.5 + seen_points(surface) / (2 * np.array(box)))
     near = seen[np.hypot(*((seen - own) * inches).T).argmin()]
@@ -222,7 +229,3 @@ def _add_shape(
         arrowprops={"arrowstyle": "-", "color": "0.55", "linewidth": 0.7, "shrinkA": 0, "shrinkB": 0},
     )  # fmt: skip
     axes.plot(*at, "o", color=colour, markersize=3.5)
-
-
-TINT = 0.35
-"""Share of white in the colour of a surface, so that its shades show."""

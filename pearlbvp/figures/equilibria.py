@@ -20,12 +20,13 @@ def draw_equilibria(table: pd.DataFrame) -> Figure:
     """
     figure, (top, bottom) = new_figure(2, 1, width=9.0, height=7.0, sharex=True)
     case = np.arange(1, len(table) + 1)
+    pearls = (table["status"] == "found").to_numpy()
     stable = (table["n_unstable"] == 0).fillna(False).to_numpy(bool)
     for name, colour, label in (("bead[nm]", COLOURS[0], "bead"), ("neck[nm]", COLOURS[1], "neck")):
-        for chosen, face, words in ((stable, colour, "stable"), (~stable, "none", "unstable")):
+        for chosen, face, words in ((pearls & stable, colour, "stable"), (pearls & ~stable, "none", "unstable")):
             top.plot(case[chosen], table[name][chosen].astype(float), "o", color=colour, markerfacecolor=face,
                      markersize=4, label=f"{label}, {words}")  # fmt: skip
-    top.plot(case, table["straight[nm]"], "-", color=COLOURS[5], linewidth=0.8, label="straight tube")
+    top.plot(case, table["straight[nm]"], "_", color=COLOURS[5], markersize=8, label="straight tube")
     fits = [(i, float(spacing)) for i, text in zip(case, table["stable_spacings[nm]"].fillna(""), strict=True)
             for spacing in str(text).split()]  # fmt: skip
     bottom.plot(*np.array(fits).reshape(-1, 2).T, "o", color=COLOURS[2], markersize=4, label="stable, fits the tube")

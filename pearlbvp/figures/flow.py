@@ -62,7 +62,7 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", units: Uni
     left, bottom, width, height = axes[1, 1].get_position().bounds
     left, bottom, width, height = left - 0.06, bottom - 0.04, width + 0.07, height + 0.04  # no axes need room there
     ends = [state.record.frames[0], state.record.frames[-1]]
-    surfaces = _surfaces(ends, 121, 37)
+    surfaces = _surfaces(ends, 161, 81)
     for row, (frame, surface) in enumerate(zip(ends, surfaces, strict=True)):
         below = bottom + (1 - row) * height / 2
         show_surface(figure.add_axes((left, below, width, 0.43 * height)), surface, box_of(surfaces))
@@ -106,7 +106,7 @@ def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, u
     chosen = [frames[i] for i in _evenly(state, min(count, len(frames)))]
     figure = new_blank(6.0, 3.2, dpi=90)
     axes = figure.add_axes((0.02, 0.02, 0.96, 0.86))
-    surfaces = _surfaces(chosen, 61, 25)
+    surfaces = _surfaces(chosen, 81, 49)
     seen = box_of(surfaces)
     images = []
     for frame, surface in zip(chosen, surfaces, strict=True):

@@ -16,7 +16,7 @@ from pearlbvp.continuation.solution import Solution
 from pearlbvp.figures.branch import draw_curve
 from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_blank, new_figure, own_style
 from pearlbvp.figures.flow import draw_flow
-from pearlbvp.figures.surface import box_of, show_surface, shown
+from pearlbvp.figures.surface import box_of, show_surface, shown, stability
 from pearlbvp.paper.sheet import Course, Curves, Panel, Rates, Regions, Sectors, Shapes
 from pearlbvp.studies.displacement import normal_displacement
 from pearlbvp.units import RADII
@@ -69,11 +69,10 @@ def _(panel: Shapes, title: str) -> Figure:
         left, bottom = (i % columns) * width, (rows - 1 - i // columns) * height
         axes = figure.add_axes((left + 0.03 * width, bottom + 0.03 * height, 0.94 * width, 0.82 * height))
         show_surface(axes, surface, seen, _colours(point))
-        stable = "stable" if point.spectrum.n_unstable == 0 else f"{point.spectrum.n_unstable} unstable"
         figure.text(
             left + width / 2,
             bottom + 0.87 * height,
-            f"{name}: v = {point.observables['v']:.4g}, {stable}",
+            f"{name}: v = {point.observables['v']:.4g}, {stability(point)}",
             fontsize="small",
             ha="center",
         )

@@ -28,16 +28,18 @@ def draw_periods(table: pd.DataFrame, units: Units = RADII) -> Figure:
     for i, (_, rows) in enumerate(table.sort_values("L").groupby("c0")):
         colour, c0 = COLOURS[i % len(COLOURS)], units.named("c0", rows["c0"].iloc[0])
         _plot_by_pearls(top, rows, "period", colour, f"{units.symbol('c0')} = {c0:g}")
-        middle.plot(rows["L"], rows["lambda2_pearl"], color=colour)
-        middle.plot(rows["L"], rows["lambda2_upper"], color=colour, linestyle=":")
+        middle.plot(
+            rows["L"], rows["lambda2_upper"], color=colour, linestyle=":", label="" if i else "first other mode"
+        )
+        middle.plot(rows["L"], rows["lambda2_pearl"], color=colour, label="" if i else "pearls")
         middle.fill_between(rows["L"].to_numpy(float), rows["lambda2_pearl"].to_numpy(float),
                             rows["lambda2_upper"].to_numpy(float), color=colour, alpha=0.12)  # fmt: skip
         _plot_by_pearls(bottom, rows, "v_localized", colour, "")
     dress(top, "", units.axis_label("period", "pearl period L / m"), "first pearls of a straight tube")
-    interval = units.axis_label("lambda2", "solid: pearls, dotted:\nfirst other mode; lambda2")
-    dress(middle, "", interval, "stable range of the straight tube")
+    dress(middle, "", units.axis_label("lambda2"), "stable range of the straight tube")
     dress(bottom, units.axis_label("L", "tube length L"), "reduced volume v", "where the localized pearl branches off")
     note_unit(figure, units)
     if top.get_legend_handles_labels()[0]:
-        add_legend(top)
+        add_legend(top, fontsize="small")
+        add_legend(middle, fontsize="small")
     return figure

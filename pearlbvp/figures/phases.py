@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,8 @@ from matplotlib.figure import Figure
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import InputError
 from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
-from pearlbvp.figures.surface import box_of, show_surface, shown
+from pearlbvp.figures.surface import PLAIN, box_of, show_surface, shown, tint
+from pearlbvp.studies.names import name_of
 from pearlbvp.units import RADII, Units
 
 if TYPE_CHECKING:
@@ -28,6 +30,9 @@ WIDTH, HEIGHT = 9.5, 6.2
 
 LEFT, RIGHT = 0.11, 0.78
 """Sides of the axes, in shares of the figure; names stand at the right."""
+
+LETTERS = 25
+"""Of a line beside the axes."""
 
 MOST_NAMED = 16
 """Branches that have a line in the legend: the stable ones first."""
@@ -55,7 +60,7 @@ def draw_phases(found: Phases, units: Units = RADII) -> Figure:
     figure.subplots_adjust(left=LEFT, right=RIGHT, top=0.93, bottom=0.3, hspace=0.08)
     curves = units.columns(found.curves)
     colours = _colours(curves)
-    _draw_energies(above, curves, colours)
+    _draw_energies(above, curves, colours, {name: str(name_of(branch)) for name, branch in found.branches.items()})
     tube = [f"{units.symbol(name)} = {units.named(name, value):.6g}" for name, value in vars(found.tube).items()]
     dress(
         above, "", units.axis_label("E", "E/A above the least"), f"{', '.join(tube)}; solid: stable, dashed: unstable"
@@ -63,7 +68,7 @@ def draw_phases(found: Phases, units: Units = RADII) -> Figure:
     _draw_strip(strip, found.ranges, colours)
     dress(strip, units.axis_label("v"), "")
     strip.grid(False)
-    _draw_shapes(figure, strip, found)
+    _draw_shapes(figure, found, colours)
     note_unit(figure, units)
     handles, names = above.get_legend_handles_labels()
     above.legend(
@@ -85,14 +90,14 @@ def _colours(curves: pd.DataFrame) -> dict[str, str]:
     return {name: COLOURS[i] if i < len(COLOURS) else to_hex(several(i + 1)) for i, name in enumerate(names)}
 
 
-def _draw_energies(axes: Axes, curves: pd.DataFrame, colours: Mapping[str, str]) -> None:
+def _draw_energies(axes: Axes, curves: pd.DataFrame, colours: Mapping[str, str], words: Mapping[str, str]) -> None:
     for name, colour in colours.items():
         rows = curves[curves["branch"] == name]
         named = False
         for stable, style in ((True, "-"), (False, "--")):
             part = rows[rows["stable"] == stable]
             if part["v"].notna().any():
-                label = None if named else _named(name)
+                label = None if named else textwrap.fill(f"{name}: {words[name]}" if name in words else name, LETTERS)
                 axes.plot(part["v"], part["excess"], style, color=colour, linewidth=1.5 if stable else 1.0, label=label)
                 named = True
     highest = curves.groupby("branch")["excess"].max()
@@ -102,31 +107,29 @@ def _draw_energies(axes: Axes, curves: pd.DataFrame, colours: Mapping[str, str])
         axes.set_ylim(-0.04 * top, top)
 
 
-def _named(name: str) -> str:
-    return f"pearls {name}" if name[:1].isdigit() else name
-
-
 def _draw_strip(axes: Axes, ranges: pd.DataFrame, colours: Mapping[str, str]) -> None:
     """Which shape is the least."""
     whole = ranges["high"].max() - ranges["low"].min()
     for low, high, name in ranges.itertuples(index=False):
         axes.axvspan(low, high, color=colours.get(name, "white"), alpha=0.45, linewidth=0)
         if high - low > NARROWEST * whole:
-            axes.text((low + high) / 2, 0.5, _named(name) or "none found", ha="center", va="center", fontsize="small")
+            axes.text((low + high) / 2, 0.5, name or "none found", ha="center", va="center", fontsize="small")
     for place in ranges["low"].iloc[1:]:
         axes.axvline(place, color="black", linewidth=0.8)
     axes.set(xlim=(ranges["low"].min(), ranges["high"].max()), ylim=(0, 1), yticks=[])
 
 
-def _draw_shapes(figure: Figure, strip: Axes, found: Phases) -> None:
-    """The least shapes below the strip, each under the middle of its range, all to one scale."""
+def _draw_shapes(figure: Figure, found: Phases, colours: Mapping[str, str]) -> None:
+    """The least shapes below the strip, each under the middle of its range and in its tint, all to one scale."""
     chosen: list[tuple[float, str, Solution[Any]]] = []
     whole = found.ranges["high"].max() - found.ranges["low"].min()
     for low, high, name in found.ranges.itertuples(index=False):
-        inside = [v for v, shape in found.solutions if shape == name and low <= v <= high]
+        wanted = [solution for (_, shape), solution in found.solutions.items() if shape == name]
+        points = wanted + (found.branches[name].points if name in found.branches else [])
+        inside = {point.observables["v"]: point for point in points if low <= point.observables["v"] <= high}
         if inside and high - low > NARROWEST * whole:
             v = min(inside, key=lambda v: abs(v - (low + high) / 2))
-            chosen.append((v, name, found.solutions[v, name]))
+            chosen.append((v, name, inside[v]))
     if not chosen:
         return
     surfaces = [shown(solution) for *_, solution in chosen]
@@ -138,5 +141,5 @@ def _draw_shapes(figure: Figure, strip: Axes, found: Phases) -> None:
         places[i] = max(place, places[i - 1] + width if i else 0.01)
     for (v, name, _), surface, place in zip(chosen, surfaces, places, strict=True):
         axes = figure.add_axes((place, 0.03, width, 0.15))
-        show_surface(axes, surface, seen)
-        figure.text(place + width / 2, 0.01, f"{_named(name)}, v = {v:.6g}", fontsize="small", ha="center")
+        show_surface(axes, surface, seen, tint(colours[name]) if name in colours else PLAIN)
+        figure.text(place + width / 2, 0.01, f"{name}, v = {v:.6g}", fontsize="small", ha="center")

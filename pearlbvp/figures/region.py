@@ -8,12 +8,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from pearlbvp.figures.canvas import COLOURS, add_legend, dress, new_figure, note_unit, own_style
+from pearlbvp.figures.canvas import COLOURS, dress, new_figure, note_unit, own_style
 from pearlbvp.units import RADII, Units
 
 WIDTH, HEIGHT = 3.4, 2.6
 """Of one of several panels, in inches."""
+
+FILLED = 0.85
+"""Part of the distance between two periods that bars fill."""
 
 
 @own_style()
@@ -34,8 +38,10 @@ def draw_region(table: pd.DataFrame, units: Units = RADII) -> Figure:
         figure, axes = new_figure(rows, columns, width=columns * WIDTH, height=rows * HEIGHT, squeeze=False)
         panels = list(axes.ravel())
         figure.subplots_adjust(hspace=0.45)
+    found = table[table["status"] == "found"]
+    numbers = np.sort(found["pearls"].unique())
     for axes, c0 in zip(panels, curvatures, strict=False):
-        _fill(axes, table[table["c0"] == c0], units)
+        _fill(axes, table[table["c0"] == c0], numbers)
         dress(
             axes,
             units.axis_label("period", "period of the pearls"),
@@ -43,24 +49,25 @@ def draw_region(table: pd.DataFrame, units: Units = RADII) -> Figure:
             f"{units.symbol('c0')} = {units.named('c0', c0):g}",
         )
     for axes in panels[len(curvatures) :]:
-        axes.remove()
+        axes.set_axis_off()
     note_unit(figure, units)
-    if (table["status"] == "found").any():
-        add_legend(panels[0], fontsize="small", loc="upper left")
+    if len(numbers):  # where there is room, or in the first
+        words = panels[0].get_legend_handles_labels()
+        how = {"fontsize": "small", "loc": "upper left", "title": "darker: two shapes", "title_fontsize": "small"}
+        panels[len(curvatures) % len(panels)].legend(*words, **how)
     return figure
 
 
-def _fill(axes: Axes, table: pd.DataFrame, units: Units) -> None:
-    """A bar for each interval, as wide as periods are apart, and marks at its ends, for some are too short to be seen."""
+def _fill(axes: Axes, table: pd.DataFrame, numbers: NDArray[np.float64]) -> None:
+    """A bar for each interval, those of other numbers of pearls beside it, between lines, for some are too short to be seen."""
     periods = np.sort(table["period"].unique())
-    width = float(np.diff(periods).min()) if len(periods) > 1 else 0.1 * float(periods[0])
-    for i, (pearls, rows) in enumerate(table[table["status"] == "found"].groupby("pearls")):
+    apart = float(np.diff(periods).min()) if len(periods) > 1 else 0.1 * float(periods[0])
+    width = FILLED * apart / max(len(numbers), 1)
+    for i, pearls in enumerate(map(float, numbers)):
+        rows = table[(table["status"] == "found") & (table["pearls"] == pearls)]
         colour = COLOURS[i % len(COLOURS)]
-        name = "any length" if math.isinf(float(pearls)) else f"{pearls:.0f} pearl{'s' * (pearls != 1)}"  # type: ignore[arg-type]
-        heights = (rows["v_to"] - rows["v_from"]).to_numpy(float)
-        axes.bar(
-            rows["period"].to_numpy(float), heights, width, rows["v_from"].to_numpy(float),
-            facecolor=(colour, 0.35), linewidth=0, label=name,
-        )  # fmt: skip
-        for end in ("v_from", "v_to"):
-            axes.plot(rows["period"], rows[end], "_", color=colour, markersize=4)
+        name = "any length" if math.isinf(pearls) else f"{pearls:.0f} pearl{'s' * (pearls != 1)}"
+        left = rows["period"].to_numpy(float) + (i - len(numbers) / 2) * width
+        low, high = (rows[end].to_numpy(float) for end in ("v_from", "v_to"))
+        axes.bar(left, high - low, width, low, align="edge", facecolor=(colour, 0.35), linewidth=0, label=name)
+        axes.hlines([*low, *high], [*left, *left], [*left + width, *left + width], color=colour, linewidth=1)

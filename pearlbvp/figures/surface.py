@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import LightSource, to_rgb
+from matplotlib.colors import LightSource, to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from pearlbvp.arrays import Array
@@ -140,15 +140,29 @@ def show_surface(
     axes.set_axis_off()
 
 
+TINT = 0.35
+"""Share of white in the colour of a surface, so that its shades show."""
+
+
+def tint(colour: str) -> str:
+    """The colour of a surface that belongs to a curve of a colour."""
+    red, green, blue = (TINT + (1 - TINT) * part for part in to_rgb(colour))
+    return to_hex((red, green, blue))
+
+
 def colour_of(point: Solution[Any]) -> str:
     """Blue for a stable solution, brown for an unstable one."""
     return STABLE if point.spectrum.stable else UNSTABLE
 
 
+def stability(point: Solution[Any]) -> str:
+    """``stable``, or how many directions are not."""
+    return f"{point.spectrum.n_unstable} unstable" if point.spectrum.n_unstable else "stable"
+
+
 def title_of(point: Solution[Any]) -> str:
-    """A solution's volume and number of unstable directions, where that is known."""
-    unstable = f", {point.spectrum.n_unstable} unstable" if point.spectrum.complete else ""
-    return f"v = {point.observables['v']:.4f}{unstable}"
+    """A solution's volume, and how stable it is, where that is known."""
+    return f"v = {point.observables['v']:.4f}" + (f", {stability(point)}" if point.spectrum.complete else "")
 
 
 @own_style()
@@ -163,7 +177,8 @@ def draw_surfaces(points: Sequence[Solution[Any]], titles: Sequence[str] = (), c
     titles = titles or [title_of(point) for point in points]
     rows = -(-len(points) // columns)
     columns = min(columns, len(points))
-    figure = new_blank(2.7 * columns, 2.0 * rows)
+    size = 2.0 if len(points) == 1 else 1.0
+    figure = new_blank(2.7 * size * columns, 2.0 * size * rows)
     place_surfaces(figure, (0.0, 0.0, 1.0, 1.0), points, titles, (rows, columns))
     return figure
 

@@ -123,7 +123,8 @@ class AmplitudeEquation:
 
     Attributes:
         tube: the straight tube.
-        m, n: waves along and around it.
+        m: waves along it.
+        n: waves around it.
 
     Raises:
         InputError: on construction: the mode is no bifurcation, or a wave that it excites is critical at the same

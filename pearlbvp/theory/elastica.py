@@ -17,7 +17,8 @@ Integrals (Springer 1971), 259.00),
 
 Two numbers say everything but the size: the modulus ``k`` and an angle ``theta``, with ``sinh t = k tan theta`` and
 
-    A, B = rho e^{+-t},  m = (rho/2) sin theta cosh t,  (beta - alpha)/2 = rho k / cos theta,  eta = rho k' cos theta.
+    A, B = rho e^{+-t},  m = (rho/2) sin theta cosh t,
+    (beta - alpha)/2 = rho k / cos theta,  eta = rho k' cos theta.
 
 ``n`` periods on the perimeter ``2 pi`` give ``rho = 4 n K(k)/pi``, and one turn in all gives ``k`` for each ``theta``. Rings
 run from the circle (``sin theta = 1/n``, ``k = 0``) to self-contact, ``theta`` growing all along, while ``k`` turns beyond.

@@ -14,6 +14,7 @@ from pearlbvp.figures.canvas import FAMILIES, OTHERS
 from pearlbvp.figures.diagram import draw_plane, shades
 from pearlbvp.figures.equilibria import draw_equilibria
 from pearlbvp.figures.places import covered, free_places
+from pearlbvp.figures.region import draw_region
 from pearlbvp.figures.scan import draw_scan
 from pearlbvp.studies.energies import Reference
 from pearlbvp.studies.names import Name
@@ -134,6 +135,37 @@ def test_a_place_is_the_nearest_free_one():
     assert line[0, 25]
     assert not line[30, 5]
     assert not line[20, 29]  # nothing between the two pieces
+
+
+def test_a_line_to_a_place_runs_over_no_picture_where_it_can_go_elsewhere():
+    """Of two points on a curve along the upper edge, each has its picture below, and the first one's is in the other's way."""
+    taken = np.zeros((120, 60), dtype=bool)
+    taken[:, 50:] = True
+    wide = np.argwhere(np.ones((30, 10))).astype(float)
+    points = [(70.0, 52.0), (55.0, 52.0)]
+    first, second = free_places(taken, [(30, 10), (30, 10)], points, [wide, wide])
+    near = wide[np.square(wide + second - points[1]).sum(axis=1).argmin()] + second
+    line = np.array(points[1]) + np.linspace(0, 1, 200)[:, None] * (near - points[1])
+    assert not ((line >= first) & (line < np.add(first, (30, 10)))).all(axis=1).any()
+    assert np.hypot(*(near - points[1])) < 30
+
+
+def test_names_that_are_given_stand_in_the_picture(branches):
+    words = [
+        text.get_text() for text in pb.diagram({"my own": branches["two"]}).plot().axes[0].get_legend().get_texts()
+    ]
+    assert words == ["my own"]
+
+
+def test_numbers_of_pearls_keep_their_colours_and_places_from_panel_to_panel():
+    """In the second panel there are none of two pearls; those of four look as in the first, and none lies on another."""
+    rows = [(0.5, 6.0, 2, 1.0, 1.2), (0.5, 6.0, 4, 1.1, 1.3), (0.6, 6.0, 4, 1.1, 1.3)]
+    table = pd.DataFrame(rows, columns=["c0", "period", "pearls", "v_from", "v_to"]).assign(status="found")
+    left, right = draw_region(table).axes[:2]
+    bars = {axes: {bar.get_facecolor(): bar.get_x() for bar in axes.patches} for axes in (left, right)}
+    assert bars[right].items() <= bars[left].items()
+    (_, end), (start, _) = sorted((bar.get_x(), bar.get_x() + bar.get_width()) for bar in left.patches)
+    assert end <= start + 1e-12
 
 
 MACHADO = {
