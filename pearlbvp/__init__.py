@@ -1,8 +1,9 @@
 """pearlbvp: bifurcations of Helfrich cylinders, by collocation, continuation and Bloch/Floquet stability.
 
 An analysis needs no other import: ``Tube``, ``branch`` and what its branches can do, ``load``, ``diagram``, ``phases``,
-``flow``, ``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``, ``stability_region``,
-``equilibria``, ``atlas``, ``scan``; ``Units`` for physical tubes; ``solve_bvp`` and ``continue_bvp`` for one's own equations.
+``flow``, ``flow_shape``, ``dispersion``, ``growth``, ``amplitude``, ``localized_pearls``, ``pearl_periods``,
+``stability_region``, ``equilibria``, ``atlas``, ``scan``; ``Units`` for physical tubes; ``solve_bvp`` and ``continue_bvp`` for
+one's own equations.
 Each name is imported when it is first asked for.
 """
 
@@ -18,10 +19,11 @@ if TYPE_CHECKING:
     from pearlbvp.branches import Branch, Solution
     from pearlbvp.bvp import continue_bvp, solve_bvp
     from pearlbvp.errors import InputError
-    from pearlbvp.front import amplitude, branch, dispersion, flow, load
+    from pearlbvp.front import amplitude, branch, dispersion, load
     from pearlbvp.helfrich import Tube
     from pearlbvp.phase_diagram import phases
     from pearlbvp.scans.scan import scan
+    from pearlbvp.shape_flow import Flow, flow, flow_shape
     from pearlbvp.studies.equilibria import equilibria
     from pearlbvp.studies.families import register
     from pearlbvp.studies.growth import growth
@@ -37,6 +39,7 @@ for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "
 
 _HOMES = {
     "Branch": "branches:Branch",
+    "Flow": "shape_flow:Flow",
     "InputError": "errors:InputError",
     "Solution": "branches:Solution",
     "Tube": "helfrich:Tube",
@@ -48,7 +51,8 @@ _HOMES = {
     "diagram": "branch_diagram:diagram",
     "dispersion": "front:dispersion",
     "equilibria": "studies.equilibria:equilibria",
-    "flow": "front:flow",
+    "flow": "shape_flow:flow",
+    "flow_shape": "shape_flow:flow_shape",
     "growth": "studies.growth:growth",
     "load": "front:load",
     "localized_pearls": "studies.localized:localized_pearls",
@@ -62,6 +66,7 @@ _HOMES = {
 
 __all__ = [
     "Branch",
+    "Flow",
     "InputError",
     "Solution",
     "Tube",
@@ -75,6 +80,7 @@ __all__ = [
     "dispersion",
     "equilibria",
     "flow",
+    "flow_shape",
     "growth",
     "load",
     "localized_pearls",

@@ -7,7 +7,7 @@ import errno
 import os
 import stat
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import IO
 
@@ -220,3 +220,23 @@ def _why(error: BaseException) -> str:
 
 def _remedy(error: OSError) -> str:
     return "give a shorter name" if error.errno == errno.ENAMETOOLONG else "free space or choose another place"
+
+
+def check_ending(option: str, path: Path | None, endings: Sequence[str]) -> None:
+    """Refuse a file whose ending names no format that can be written, or that has none; devices have none.
+
+    Raises:
+        InputError: the option, and the endings that can be.
+    """
+    if path is None or path.suffix.lower() in endings or str(path) == "-" or (not path.suffix and is_device(path)):
+        return
+    found = f"the ending {path.suffix}" if path.suffix else "no ending that names its format"
+    raise InputError(option, f"{path.name} has {found}", f"give one of {', '.join(endings)}")
+
+
+def is_device(path: Path) -> bool:
+    """Whether a name is that of a device or a pipe."""
+    try:
+        return path.exists() and not path.is_file()
+    except OSError:  # a name that no file can have; who opens it says so
+        return False

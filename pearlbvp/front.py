@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
-from pearlbvp.branches import Branch, Until, check_names, followed_by
+from pearlbvp.branches import Branch, Until, followed_by
 from pearlbvp.continuation import branch as core
-from pearlbvp.continuation import solution as solutions
 from pearlbvp.held import Held
 from pearlbvp.helfrich import Tube, WaveNumbers, known_tube
-from pearlbvp.progress import SECONDS, progress
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pearlbvp.flows.driver import FlowState
-    from pearlbvp.flows.problem import Law
-    from pearlbvp.flows.record import FlowResult
+    from pearlbvp.shape_flow import Flow
     from pearlbvp.studies.branch import Discretization
-    from pearlbvp.studies.flow_start import Perturbation
 
 
 def branch(
@@ -70,63 +64,25 @@ def branch(
     return followed_by(follow, until, how)
 
 
-def load(path: str | os.PathLike[str]) -> Branch:
-    """A branch that was saved. Nothing in the file is executed.
+def load(path: str | os.PathLike[str]) -> Branch | Flow:
+    """A branch or a flow that was saved. Nothing in the file is executed.
+
+    A flow is at its last shape, as its status ``saved`` says; ``resume`` goes on from there.
 
     Raises:
-        InputError: the file is no saved branch, or is not whole.
+        InputError: the file is neither, or is not whole.
     """
+    from pearlbvp.flows.checkpoint import KIND
+    from pearlbvp.hdf5 import kind_of
+
+    if kind_of("path", path) == KIND:
+        from pearlbvp.shape_flow import Flow
+        from pearlbvp.studies import flow
+
+        return Flow.of(flow.result(flow.load(path)))
     from pearlbvp.studies import saved
 
     return Branch.of(saved.load(path, "path"))
-
-
-def flow(
-    start: solutions.Solution[Any],
-    *,
-    perturb: Perturbation = "critical",
-    delta: float = 0.02,
-    nodes: int | None = None,
-    size: tuple[int, int] | None = None,
-    law: Law = "area and volume",
-    **how: Any,
-) -> FlowResult:
-    """Let a perturbed solution flow at fixed area and volume until it rests.
-
-    Args:
-        start: a point of a branch.
-        perturb: ``critical`` (along the most unstable perturbation), ``bump`` or ``none``.
-        delta: size of the perturbation, in radii; a negative bump moves the surface outwards.
-        nodes: on a triangulated tube of about so many vertices.
-        size: largest wave numbers along and around, of tubes in modes.
-        law: what the flow keeps.
-        how: when it ends and how it is stepped: ``until`` (a time), ``velocity``, ``rtol``, ``atol``, ``max_steps``,
-            ``max_seconds`` and the other fields of ``FlowOptions``.
-
-    Raises:
-        InputError: an argument that cannot be used.
-    """
-    from pearlbvp.flows.driver import FlowOptions
-    from pearlbvp.flows.driver import flow as run
-    from pearlbvp.studies.branch import known_point
-    from pearlbvp.studies.flow_start import solution_start
-
-    check_names(how, [field.name for field in fields(FlowOptions)])
-    known_point(start)
-    if nodes is None:
-        begun = solution_start(start, law=law, size=size)
-    else:
-        from pearlbvp.studies.mesh_flow import mesh_start
-
-        begun = mesh_start(start, nodes, law=law)
-    with progress("step") as bar:
-
-        def count(state: FlowState) -> None:
-            bar.set_postfix(t=f"{state.t:.5g}", refresh=False)
-            bar.update(len(state.record.rows["t"]) - bar.n)
-
-        shown: dict[str, Any] = {"checkpoint": count, "every": SECONDS}
-        return run(begun.problem, begun.perturbed(perturb, delta), FlowOptions(**shown | how))
 
 
 def dispersion(tube: Tube, max_m: int | None = None, max_n: int = 4) -> pd.DataFrame:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pearlbvp.commands.arguments import FamilyName, File, ModeNumbers, Number
-from pearlbvp.commands.command import Command, options_given, words_of_this_command
+from pearlbvp.commands.command import Command, Option, options_given, words_of_this_command
 from pearlbvp.commands.output import (
     DONE,
     INTERRUPTED,
@@ -32,6 +32,12 @@ if TYPE_CHECKING:
 
     from pearlbvp.units import Units
 
+GIVEN = ("profile", "mesh", "resume")
+"""Starts that are shapes as they are, which nothing perturbs and no branch leads to."""
+
+BUMP = -0.125
+"""Size of the perturbation where none is given, in radii."""
+
 
 @click.command(
     cls=Command,
@@ -43,50 +49,48 @@ if TYPE_CHECKING:
     "pearlbvp flow --mesh tube.ply --c0 0 --length 10 --time 5 --movie f.gif  |  "
     "pearlbvp flow --c0 0 --length 0.5 --radius 0.05 --point v=1.1 --delta=-0.005 --out f.csv",
 )
-@click.option("--from", "source", type=File(), metavar="FILE.h5", help="A saved branch of any family.")
-@click.option("--family", type=FamilyName(), default="pearl", show_default=True,
+@click.option("--from", "source", cls=Option, excludes=("resume",), type=File(), metavar="FILE.h5",
+              help="A saved branch of any family.")  # fmt: skip
+@click.option("--family", cls=Option, excludes=(*GIVEN, "source"), type=FamilyName(), default="pearl", show_default=True,
               help="Without --from: the branch that is followed to --point NAME=VALUE.")  # fmt: skip
-@click.option("--c0", type=Number("c0"), help="Without --from: spontaneous curvature.")
-@click.option("--length", type=Number("length"), metavar="L", help="Without --from: axial period of the tube.")
-@click.option("--mode", type=ModeNumbers(), help="Without --from: waves along and around the tube.")
-@click.option("--profile", type=File(), metavar="FILE.csv",
+@click.option("--c0", cls=Option, excludes=("source", "resume"), type=Number("c0"),
+              help="Without --from: spontaneous curvature.")  # fmt: skip
+@click.option("--length", cls=Option, excludes=("source", "resume"), type=Number("length"), metavar="L",
+              help="Without --from: axial period of the tube.")  # fmt: skip
+@click.option("--mode", cls=Option, excludes=(*GIVEN, "source"), type=ModeNumbers(),
+              help="Without --from: waves along and around the tube.")  # fmt: skip
+@click.option("--profile", cls=Option, excludes=("source", "resume"), type=File(), metavar="FILE.csv",
               help="Start from radii instead: columns x and r of one period, with --c0 and --length.")  # fmt: skip
-@click.option("--mesh", type=File(), metavar="FILE",
+@click.option("--mesh", cls=Option, excludes=("source", "resume", "profile"), type=File(), metavar="FILE",
               help="Start from a triangulated tube instead, one period, with --c0 and --length: VTU, VTP, VTK, PLY, OBJ, STL, "
               "OFF or MSH, repaired where needed.")  # fmt: skip
-@click.option(
-    "--pressure",
-    type=Number("pressure"),
-    default=0.0,
-    show_default=True,
-    help="With --profile or --mesh, --law area: lambda2.",
-)
-@click.option("--point", default="-1", show_default=True, metavar="K|NAME=VALUE|A2",
+@click.option("--pressure", cls=Option, needs=("profile", "mesh"), type=Number("pressure"),
+              help="With --profile or --mesh, --law area: lambda2.  [default: 0]")  # fmt: skip
+@click.option("--point", cls=Option, excludes=GIVEN, default="-1", show_default=True, metavar="K|NAME=VALUE|A2",
               help="The start: a point's number, a column's value, or a name of the paper.")  # fmt: skip
-@click.option("--perturb", type=click.Choice(["bump", "critical", "none"]), default="bump", show_default=True,
-              help="A bump, or the most unstable vector.")  # fmt: skip
-@click.option(
-    "--delta", type=Number("delta"), default=-0.125, show_default="-0.125 R", help="Size of the perturbation."
-)
-@click.option(
-    "--xi",
-    type=Number("xi"),
-    default=1.0,
-    show_default="1/R^2",
-    help="The bump is 1/(1 + xi x^2), on tubes and meshes times cos(phi).",
-)
-@click.option("--centre", type=Number("centre"), default=0.0, show_default=True, help="Axial position of the bump.")
-@click.option("--keep", is_flag=True, help="Move the perturbed shape back to the area and volume it had.")
-@click.option("--law", type=click.Choice(["area and volume", "area", "diffusion"]), default="area and volume",
-              show_default=True, help="What is kept; area: at given pressure; diffusion: the H^-1 flow.")  # fmt: skip
-@click.option("--tube", is_flag=True, help="Let pearls flow among all tubes, not only axisymmetric ones.")
-@click.option("--points", type=click.IntRange(min=8), default=128, show_default=True, help="Of an axisymmetric shape.")
-@click.option(
-    "--size", type=ModeNumbers(), default="12,12", show_default=True, help="Waves of a tube, along and around."
-)
-@click.option("--nodes", type=int, metavar="N", help="Let the shape flow as a triangulated tube of so many vertices.")
-@click.option("--discretization", type=click.Choice(["subdivision", "cotangent"]), default="subdivision",
-              show_default=True, help="Of a triangulated tube.")  # fmt: skip
+@click.option("--perturb", cls=Option, excludes=GIVEN, type=click.Choice(["bump", "critical", "none"]), default="bump",
+              show_default=True, help="A bump, or the most unstable vector.")  # fmt: skip
+@click.option("--delta", cls=Option, excludes=GIVEN, type=Number("delta"),
+              help="Size of the perturbation.  [default: -0.125 R]")  # fmt: skip
+@click.option("--xi", cls=Option, excludes=GIVEN, type=Number("xi"),
+              help="The bump is 1/(1 + xi x^2), on tubes and meshes times cos(phi).  [default: 1/R^2]")  # fmt: skip
+@click.option("--centre", cls=Option, excludes=GIVEN, type=Number("centre"),
+              help="Axial position of the bump.  [default: 0]")  # fmt: skip
+@click.option("--keep", cls=Option, excludes=GIVEN, is_flag=True,
+              help="Move the perturbed shape back to the area and volume it had.")  # fmt: skip
+@click.option("--law", cls=Option, excludes=("resume",), type=click.Choice(["area and volume", "area", "diffusion"]),
+              default="area and volume", show_default=True,
+              help="What is kept; area: at given pressure; diffusion: the H^-1 flow.")  # fmt: skip
+@click.option("--tube", "symmetric", cls=Option, excludes=GIVEN, is_flag=True, flag_value=False, default=True,
+              help="Let pearls flow among all tubes, not only axisymmetric ones.")  # fmt: skip
+@click.option("--points", cls=Option, excludes=("resume",), type=click.IntRange(min=8),
+              help="Of an axisymmetric shape.  [default: 128]")  # fmt: skip
+@click.option("--size", cls=Option, excludes=GIVEN, type=ModeNumbers(),
+              help="Waves of a tube, along and around.  [default: 12,12, of pearls 24,6]")  # fmt: skip
+@click.option("--nodes", cls=Option, excludes=GIVEN, type=int, metavar="N",
+              help="Let the shape flow as a triangulated tube of so many vertices.")  # fmt: skip
+@click.option("--discretization", cls=Option, excludes=("resume",), type=click.Choice(["subdivision", "cotangent"]),
+              help="Of a triangulated tube.  [default: subdivision]")  # fmt: skip
 @click.option("--time", "until", type=Number("t"), help="Stop at that time.")
 @click.option(
     "--velocity",
@@ -140,8 +144,7 @@ def flow(
     given, branch = options_given(click.get_current_context()), None
     if source is not None:
         branch = saved.load(source, "--from")
-        start["family"] = saved.family_of(branch) if "family" not in given else start["family"]
-    _refuse_idle(given, start, branch is not None and saved.kind_of(branch) == "mesh")
+        start["family"] = saved.family_of(branch)
     _in_radii(given, start, units)
     out, plot = check_outputs(out, plot)
     save = None if save is None else writable("--save", save)
@@ -232,53 +235,6 @@ def _origin(start: dict[str, Any]) -> str:
     return next((f"--{name}: {start[name]}" for name in ("profile", "mesh") if start[name] is not None), "--point")
 
 
-PERTURBATION = {"perturb", "delta", "xi", "centre", "keep"}
-OF_A_BRANCH = {"family", "mode", "point"}
-DISCRETIZATION = {"tube", "points", "size", "nodes", "discretization"}
-
-
-def _refuse_idle(given: set[str], start: dict[str, Any], on_mesh: bool) -> None:
-    """Refuse options that would say nothing beside others; ``on_mesh`` is the branch that a flow starts from.
-
-    Raises:
-        InputError: the first of them, and what it does not go with.
-    """
-    whole = {"source", "c0", "length", "law", "profile", "mesh", "pressure"}
-    whole |= PERTURBATION | OF_A_BRANCH | DISCRETIZATION
-    graph, meshes = start["family"] == "pearl" and not start["tube"], on_mesh or bool(given & {"nodes", "mesh"})
-    for condition, idle, why in (
-        ("resume" in given, whole, "a saved flow has its own; leave it out with --resume"),
-        (
-            "source" in given,
-            {"family", "c0", "length", "mode", "profile", "mesh"},
-            "a saved branch has its own; leave it out with --from",
-        ),
-        (
-            "profile" in given,
-            PERTURBATION | OF_A_BRANCH | {"tube", "size", "mesh", "nodes"},
-            "it does not go with --profile; leave it out",
-        ),
-        ("mesh" in given, PERTURBATION | OF_A_BRANCH | {"nodes"}, "it does not go with --mesh; leave it out"),
-        (on_mesh, {"nodes", "discretization"}, "the branch is on a mesh, which is taken as it is; leave it out"),
-        (meshes, {"tube", "points", "size"}, "it says nothing of a triangulated tube; leave it out"),
-        (not meshes, {"discretization"}, "it is for triangulated tubes; give --nodes too"),
-        (
-            not given & {"profile", "mesh"},
-            {"pressure"},
-            "a branch's point has its own; give --profile or --mesh too, or leave it out",
-        ),
-        (start["law"] != "area", {"pressure"}, "it goes with --law area"),
-        (not graph, {"points"}, "it is for axisymmetric shapes; give --size"),
-        (graph, {"size"}, "it is for tubes; give --points, or --tube"),
-        (start["family"] != "pearl", {"tube"}, "rings, coils and buckles flow among all tubes anyway; leave it out"),
-        (start["perturb"] == "none", PERTURBATION - {"perturb"}, "nothing is perturbed; leave it out"),
-        (start["perturb"] == "critical", {"xi", "centre"}, "it is for bumps; leave it out"),
-    ):
-        found = sorted(given & idle) if condition else []
-        if found:
-            raise InputError(f"--{found[0].replace('source', 'from')}", why)
-
-
 def _in_radii(given: set[str], start: dict[str, Any], units: Units) -> None:
     """Turn lengths and their powers in the options of a start into those of a tube of radius 1; defaults are in radii."""
     for name in given & {"c0", "length", "delta", "centre", "xi", "pressure"}:
@@ -313,76 +269,74 @@ def _end(result: Any, save_end: Path | None, units: Units) -> tuple[Any, str]:
 
 def _start(
     branch: Any, *, family: str, c0: float | None, length: float | None, mode: tuple[int, int] | None, point: str,
-    perturb: Any, delta: float, xi: float, centre: float, keep: bool, law: Any, tube: bool, points: int,
-    size: tuple[int, int], profile: Path | None, mesh: Path | None, nodes: int | None, discretization: Any, pressure: float,
-    units: Units,
+    perturb: Any, delta: float | None, xi: float | None, centre: float | None, keep: bool, profile: Path | None,
+    mesh: Path | None, points: int | None, pressure: float | None, law: Any, discretization: Any, units: Units,
+    **tube: Any,
 ) -> tuple[Any, Any]:  # fmt: skip
     """Problem and coordinates of the start."""
-    from pearlbvp.helfrich import Tube, finite
-    from pearlbvp.studies.branch import branch_options, family_branch
-    from pearlbvp.studies.flow_start import profile_start, solution_start
-    from pearlbvp.studies.point import chosen, sample
-    from pearlbvp.units import Sentence
-
-    if profile is not None or mesh is not None:
-        if c0 is None or length is None:
+    shape = profile or mesh
+    if c0 is None or length is None:
+        if shape is not None:
             raise InputError(
                 f"--{'mesh' if profile is None else 'profile'}", "it goes with --c0 and --length", "give both"
             )
-        if profile is None:
-            return _of_a_file(mesh, units, c0, length, discretization, law, pressure)  # type: ignore[arg-type]
-        from pearlbvp.studies.profiles import read_profile  # with scipy.interpolate, which only profiles need
-
-        rows = read_profile("profile", profile, length, points, units)
-        if rows.said:
-            say(f"{profile.name}: {units.said(rows.said)}")
-        return profile_start(c0, length, rows.x, rows.r, points=points, law=law, pressure=pressure)
-    if branch is None:
-        if c0 is None or length is None:
+        if branch is None:
             raise InputError("--c0, --length", "give both, or a saved branch with --from")
-        name, equals, value = point.partition("=")
-        if not equals and point.lstrip("+-").isdigit():
-            raise InputError(
-                "--point", "without --from, give NAME=VALUE, like v=1.02, for how far the branch is followed"
-            )
-        stop = dict([(name, finite("point", value)) if equals else sample(family, c0, length, point)])  # type: ignore[arg-type]
-        if stop.get("v") == 1:
-            raise InputError(
-                "--point",
-                "v=1 is the straight tube, where the branch begins",
-                "give a value on the branch, or save it with pearlbvp branch --save for --from and --point 0",
-            )
-        try:
-            options = branch_options(stop)
-        except InputError as error:
-            raise error.named("point") from None
-        branch = family_branch(Tube(c0, length), family, mode, options)
-        if not branch.complete:
-            (wanted, number), *_ = stop.items()
-            place = Sentence(f"{wanted} = {{{wanted}:.9g}} is not reached (", **{wanted: number})
-            advice = "follow the branch with pearlbvp branch --save, and give that with --from"
-            raise InputError("--point", Sentence.joined(place, branch.reason, ")"), advice)
-        point = "-1"
-    at = chosen(branch, point, family)
-    if nodes is None:
-        start = solution_start(at, law=law, size=size, points=points, symmetric=not tube)
-    else:
-        from pearlbvp.studies.mesh_flow import mesh_start
+    how = {"law": law, "points": points, "discretization": discretization}
+    if shape is not None:
+        from pearlbvp.helfrich import Tube
+        from pearlbvp.studies.flow_shape import read_profile, read_surface, shape_start
+        from pearlbvp.studies.flow_start import known_points
 
-        start = mesh_start(at, nodes, kind=discretization, law=law)
+        given = Tube(c0, length)  # type: ignore[arg-type]
+        if profile is None:
+            surface, said = read_surface(shape, given, units, "--mesh")
+            found: Any = surface
+        else:
+            found = read_profile("profile", shape, given.length, known_points(points), units)
+            said = f"{shape.name}: {units.said(found.said)}" if found.said else ""
+        if said:
+            say(said)
+        return shape_start(found, given, pressure=pressure, **how)
+    from pearlbvp.studies.flow_start import solution_start
+    from pearlbvp.studies.point import chosen
+
+    if branch is None:
+        branch, point = _followed(family, c0, length, mode, point), "-1"  # type: ignore[arg-type]
+    start = solution_start(chosen(branch, point, family), **how, **tube)
+    delta = BUMP if delta is None and perturb != "none" else delta
     return start.problem, start.perturbed(perturb, delta, xi=xi, centre=centre, keep=keep)
 
 
-def _of_a_file(
-    path: Path, units: Units, c0: float, length: float, kind: Any, law: Any, pressure: float
-) -> tuple[Any, Any]:
-    """Problem and coordinates of a triangulated tube in a file, its period and coordinates in the user's unit."""
-    from pearlbvp.mesh.files import check_radius, read_smooth_tube
-    from pearlbvp.studies.mesh_flow import surface_start
+def _followed(family: str, c0: float, length: float, mode: tuple[int, int] | None, point: str) -> Any:
+    """The branch of a family, to the point that is wanted of it.
 
-    found, said = read_smooth_tube(path, units.to_user("length", length), "--mesh")
-    surface = units.surface_from_user(found)
-    check_radius(surface)
-    if said:
-        say(said)
-    return surface_start(c0, surface, kind=kind, law=law, pressure=pressure)
+    Raises:
+        InputError: the point has no value, or is not reached.
+    """
+    from pearlbvp.helfrich import Tube, finite
+    from pearlbvp.studies.branch import branch_options, family_branch
+    from pearlbvp.studies.point import sample
+    from pearlbvp.units import Sentence
+
+    name, equals, value = point.partition("=")
+    if not equals and point.lstrip("+-").isdigit():
+        raise InputError("--point", "without --from, give NAME=VALUE, like v=1.02, for how far the branch is followed")
+    stop = dict([(name, finite("point", value)) if equals else sample(family, c0, length, point)])  # type: ignore[arg-type]
+    if stop.get("v") == 1:
+        raise InputError(
+            "--point",
+            "v=1 is the straight tube, where the branch begins",
+            "give a value on the branch, or save it with pearlbvp branch --save for --from and --point 0",
+        )
+    try:
+        options = branch_options(stop)
+    except InputError as error:
+        raise error.named("point") from None
+    branch = family_branch(Tube(c0, length), family, mode, options)
+    if not branch.complete:
+        (wanted, number), *_ = stop.items()
+        place = Sentence(f"{wanted} = {{{wanted}:.9g}} is not reached (", **{wanted: number})
+        advice = "follow the branch with pearlbvp branch --save, and give that with --from"
+        raise InputError("--point", Sentence.joined(place, branch.reason, ")"), advice)
+    return branch

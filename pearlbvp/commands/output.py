@@ -13,6 +13,7 @@ from pearlbvp.commands.arguments import File
 from pearlbvp.commands.command import Option, of_this_command
 from pearlbvp.commands.tables import write_table
 from pearlbvp.errors import InputError
+from pearlbvp.files import check_ending, is_device
 from pearlbvp.messages import drop, say, why_not_written
 from pearlbvp.scale import CONVENTIONS
 from pearlbvp.units import headed
@@ -99,18 +100,6 @@ def check_outputs(out: Path | None, plot: Path | None) -> tuple[Path | None, Pat
     return out, plot
 
 
-def check_ending(option: str, path: Path | None, endings: Sequence[str]) -> None:
-    """Refuse a file whose ending names no format that can be written, or that has none; devices have none.
-
-    Raises:
-        InputError: the option, and the endings that can be.
-    """
-    if path is None or path.suffix.lower() in endings or str(path) == "-" or (not path.suffix and _is_device(path)):
-        return
-    found = f"the ending {path.suffix}" if path.suffix else "no ending that names its format"
-    raise InputError(option, f"{path.name} has {found}", f"give one of {', '.join(endings)}")
-
-
 def check_distinct(paths: Mapping[str, Path | None]) -> None:
     """Refuse two options with the same file, which would overwrite each other; devices take what they get.
 
@@ -119,19 +108,11 @@ def check_distinct(paths: Mapping[str, Path | None]) -> None:
     """
     known: dict[Path, str] = {}
     for option, path in paths.items():
-        if path is None or _is_device(path):
+        if path is None or is_device(path):
             continue
         if path in known:
             raise InputError(option, f"{path} is the file of {known[path]} already", "give it another name")
         known[path] = option
-
-
-def _is_device(path: Path) -> bool:
-    """Whether a name is that of a device or a pipe."""
-    try:
-        return path.exists() and not path.is_file()
-    except OSError:  # a name that no file can have; who opens it says so
-        return False
 
 
 def write(

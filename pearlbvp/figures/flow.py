@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pearlbvp.figures.canvas import (
@@ -68,6 +70,29 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", units: Uni
         figure.text(left + width / 2, below + 0.45 * height, said, fontsize="small", ha="center")
     note_unit(figure, units)
     return figure
+
+
+WIDTH, TITLE = 4.5, 0.3
+"""Of the picture of one shape, and of the room above it, in inches."""
+
+
+@own_style()
+def draw_shape(frame: Frame, axes: Axes | None = None, units: Units = RADII) -> Figure:
+    """A shape on the way, its time above it.
+
+    Args:
+        frame: the shape.
+        axes: where to draw, in a figure of their own by default.
+        units: of the time.
+    """
+    (surface,) = _surfaces([frame], 121, 37)
+    wide, tall = box_of([surface])
+    if axes is None:
+        height = WIDTH * tall / wide + TITLE
+        axes = new_blank(WIDTH, height).add_axes((0.0, 0.0, 1.0, 1 - TITLE / height))
+    show_surface(axes, surface, (wide, tall))
+    axes.set_title(f"t = {units.of_flow(frame.problem.law).to_user('t', frame.t):.4g}", fontsize="small")
+    return cast("Figure", axes.figure)
 
 
 @own_style()

@@ -33,6 +33,7 @@ Status = Literal[
     "steps",
     "seconds",
     "interrupted",
+    "saved",
 ]
 
 MOST_FRAMES = 400
@@ -173,7 +174,8 @@ class FlowResult:
     Attributes:
         state: the last one, whatever happened.
         status: ``steady`` (velocity and spectrum say so), ``saddle`` (at rest on an unstable shape), ``time``, ``pinch``,
-            ``overhang``, ``unresolved`` (no more points to be had), ``stalled``, ``steps``, ``seconds``, ``interrupted``.
+            ``overhang``, ``unresolved`` (no more points to be had), ``stalled``, ``steps``, ``seconds``, ``interrupted``;
+            ``saved`` of one that a file holds.
         reason: one line for a reader: what happened, when, where; a ``Sentence``, which can be read in any unit of length.
         advice: what to try, or empty.
         equilibrium: the polished end state, where the flow came to rest.
@@ -186,7 +188,7 @@ class FlowResult:
     equilibrium: Equilibrium | None = None
 
     def __repr__(self) -> str:
-        return f"FlowResult({self.status} at t = {self.state.t:.6g}, {self.state.record!r}: {self.reason})"
+        return f"{type(self).__name__}({self.status} at t = {self.state.t:.6g}, {self.state.record!r}: {self.reason})"
 
     def table(self, units: Units = RADII) -> pd.DataFrame:
         """A row for every accepted step.

@@ -9,9 +9,9 @@ from typing import Any
 
 from pearlbvp.flows.checkpoint import KIND, state_of_tree, state_tree
 from pearlbvp.flows.problem import FlowProblem
-from pearlbvp.flows.record import FlowState
+from pearlbvp.flows.record import FlowResult, FlowState
 from pearlbvp.hdf5 import load_tree, save_tree
-from pearlbvp.units import RADII, Units
+from pearlbvp.units import RADII, Sentence, Units
 
 KINDS = {"graph": ("axisymmetric", "GraphFlow"), "tube": ("tube", "TubeFlow"), "mesh": ("mesh", "MeshFlow")}
 """Where the discretizations are, so that each is imported only by who needs it."""
@@ -51,3 +51,8 @@ def load(path: str | os.PathLike[str], name: str = "path") -> FlowState:
     """
     writer = "pearlbvp flow --save"
     return load_tree(name, path, KIND, lambda tree: state_of_tree(tree, _problem), writer=writer)
+
+
+def result(state: FlowState) -> FlowResult:
+    """A flow that was saved: how far it had got."""
+    return FlowResult(state, "saved", Sentence("it was saved at t = {t:.6g}", t=state.t), "resume it")

@@ -31,7 +31,7 @@ from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.outline import Outline, pearl_of_outline
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.branch import known_options
-from pearlbvp.studies.flow_start import UNLIKE
+from pearlbvp.studies.flow_start import UNLIKE, known_end
 from pearlbvp.tube.isotropy import NEGLIGIBLE, StandardPosition, standard_position
 from pearlbvp.tube.modes import Mode
 from pearlbvp.tube.problem import PLANE_TOLERANCE, TubeProblem
@@ -317,9 +317,7 @@ def end_point(result: FlowResult, *, upwards: bool = True, unlike: float = UNLIK
     Raises:
         InputError: the flow did not come to rest, or its end is no point of a branch.
     """
-    if result.equilibrium is None or not result.equilibrium.converged:
-        raise InputError("flow", f"it ended as {result.status!r} and is no equilibrium", "let it rest first")
-    problem, u = solution_of(result.equilibrium, unlike)
+    problem, u = solution_of(known_end(result), unlike)
     direction = _by_volume(u) if upwards else -_by_volume(u)
     try:
         return Solution.along(problem, u, tangent_along(problem, u, direction))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.flows.mesh import MeshFlow, check_nodes, mesh_flow
 from pearlbvp.flows.problem import Law
-from pearlbvp.helfrich import SMALLEST_AMPLITUDE, finite
+from pearlbvp.helfrich import SMALLEST_AMPLITUDE, choice, finite
 from pearlbvp.mesh.adaptation import smoothed
 from pearlbvp.mesh.functional import Functional, Kind
 from pearlbvp.mesh.periodic import PeriodicMesh
@@ -35,6 +35,7 @@ def mesh_start(
         InputError: the mesh is too coarse for the shape, or an argument cannot be used.
     """
     found = point.observables
+    choice("discretization", kind, get_args(Kind))
     if isinstance(nodes, int):
         check_nodes(law, nodes)  # before the mesh is made
     if isinstance(point.problem, MeshProblem):
@@ -62,7 +63,11 @@ def surface_start(
         mesh: vertices on the surface; they are spread out along it for subdivision surfaces.
         kind: the discretization.
         law, pressure: what the flow keeps, and the pressure difference where that is the area alone.
+
+    Raises:
+        InputError: an argument that cannot be used.
     """
+    choice("discretization", kind, get_args(Kind))
     mesh = smoothed(mesh) if kind == "subdivision" else mesh
     functional = Functional(mesh, kind)
     reference = mesh.moved(functional.vertices_near(mesh.vertices))
