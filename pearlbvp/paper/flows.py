@@ -14,7 +14,7 @@ from pearlbvp.flows.record import FlowResult
 from pearlbvp.paper.cases import at, primary
 from pearlbvp.paper.sheet import Course, Sheet, values_of
 from pearlbvp.studies.flow_end import recognized
-from pearlbvp.studies.flow_start import FlowStart, pearl_start, pearl_tube_start, solution_start, tube_start
+from pearlbvp.studies.flow_start import FlowStart, solution_start
 
 COARSE = FlowOptions(resolution=1e-3)
 """Details down to a thousandth of a radius, which is what pictures show."""
@@ -27,10 +27,10 @@ def _c0f2() -> dict[str, tuple[Solution[Any], FlowResult, dict[str, float]]]:
     coil = primary(0.0, 10.0, "coil", (1, 1), "lambda2", 1.387).points[-1]
     buckle = primary(0.0, 10.0, "buckle", (1, 1), "lambda2", 1.29).points[-1]
     starts = {
-        "A2": (pearl, pearl_tube_start(pearl.problem, pearl.u, size=(20, 6)), "bump", -0.125, 0.0, None),
-        "B": (coil, tube_start(coil.problem, coil.u), "bump", -0.25, 2.5, None),
-        "C": (buckle, tube_start(buckle.problem, buckle.u), "bump", -0.25, 0.0, COARSE),
-        "C*": (buckle, tube_start(buckle.problem, buckle.u), "critical", 0.3, 0.0, None),
+        "A2": (pearl, solution_start(pearl, symmetric=False, size=(20, 6)), "bump", -0.125, None, None),
+        "B": (coil, solution_start(coil), "bump", -0.25, 2.5, None),
+        "C": (buckle, solution_start(buckle), "bump", -0.25, None, COARSE),
+        "C*": (buckle, solution_start(buckle), "critical", 0.3, None, None),
     }
     found = {}
     for name, (sample, start, kind, delta, centre, options) in starts.items():
@@ -84,9 +84,9 @@ def cmf2() -> Sheet:
     coil = primary(-1.0, 10.0, "coil", (1, 1), "v", 0.95, discretization="modes").points[-1]
     buckle = primary(-1.0, 10.0, "buckle", (1, 1), "v", 0.975, discretization="modes").points[-1]
     starts = {
-        "D2": tube_start(wrinkles.problem, wrinkles.u, size=(12, 14)),
-        "B": tube_start(coil.problem, coil.u),
-        "C": tube_start(buckle.problem, buckle.u),
+        "D2": solution_start(wrinkles, size=(12, 14)),
+        "B": solution_start(coil),
+        "C": solution_start(buckle),
     }
     runs = {
         name: start.flow(start.perturbed("bump", -0.25, keep=name == "D2"), COARSE).uninterrupted()
@@ -100,7 +100,7 @@ def c05f2() -> Sheet:
     """From two pearls at ``c0 = 0.48``, ``L = 15`` to the localized pearl."""
     branch = primary(0.48, 15.0, "pearl", (2, 0), "v", 1.06)
     sample = at(branch, "v=1.02")
-    start = pearl_start(sample.problem, sample.u)
+    start = solution_start(sample)
     result = start.flow(start.perturbed("critical", 0.02, keep=True)).uninterrupted()
     return Sheet((Course("a", result),), {("A2", q): value for q, value in _ends(result).items()})
 
