@@ -6,9 +6,6 @@ Everything that takes time to import is imported by the command that needs it, s
 from __future__ import annotations
 
 import contextlib
-import importlib
-import logging
-import os
 import shlex
 import signal
 import sys
@@ -21,6 +18,7 @@ from pearlbvp.commands.amplitude import amplitude, amplitude_map
 from pearlbvp.commands.branch import branch
 from pearlbvp.commands.diagram import diagram
 from pearlbvp.commands.dispersion import dispersion
+from pearlbvp.commands.drawing import draw_on_our_own_terms
 from pearlbvp.commands.equilibria import equilibria
 from pearlbvp.commands.explore import explore
 from pearlbvp.commands.flow import flow
@@ -59,7 +57,7 @@ for command in (
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line and leave with its exit status: 0 done, 1 some rows failed, 2 unusable input."""
-    _draw_on_our_own_terms()
+    draw_on_our_own_terms()
     with contextlib.suppress(ValueError):  # in a thread signals are not ours
         if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # else whoever started us wants none
             signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -83,22 +81,6 @@ def main(arguments: list[str] | None = None) -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
     sys.exit(status)
-
-
-def _draw_on_our_own_terms() -> None:
-    """Keep what a user's matplotlib is set to out of this process, before it is loaded: its ``backend`` need not even exist.
-
-    A notebook's backend comes with ``!pearlbvp``; a ``matplotlibrc`` may be broken, or ask for LaTeX that is not there.
-    """
-    if "matplotlib" in sys.modules:
-        return
-    os.environ |= {"MPLBACKEND": "agg", "MATPLOTLIBRC": os.devnull}
-    if not os.environ.get("SOURCE_DATE_EPOCH", "").isdigit():  # PDF and PostScript would end in a trace
-        os.environ["SOURCE_DATE_EPOCH"] = "0"  # the date in PostScript, which is otherwise another in every run
-    logging.getLogger("matplotlib").setLevel(logging.CRITICAL)  # of its folder for caches, which may be anywhere
-    if os.path.exists("matplotlibrc"):  # which beats all others
-        with contextlib.chdir(os.path.dirname(__file__)):
-            importlib.import_module("matplotlib")
 
 
 def _run(arguments: list[str] | None) -> int:

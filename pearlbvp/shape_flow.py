@@ -201,7 +201,7 @@ class Flow(FlowResult):
         Raises:
             InputError: another ending, or a place that cannot be written to.
         """
-        from pearlbvp.figures.flow import write_movie
+        from pearlbvp.figures.movie import write_movie
 
         check_ending("path", named("path", path), (".gif",))
         write_whole("path", writable("path", path), lambda whole: write_movie(self.state, whole, units=units))

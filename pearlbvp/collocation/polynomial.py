@@ -46,14 +46,12 @@ class PiecewisePolynomial:
         interval = np.clip(np.searchsorted(self.mesh, t, side="right") - 1, 0, len(self.mesh) - 2)
         tau = (t - self.mesh[interval]) / np.diff(self.mesh)[interval]
         basis = lagrange_matrix(self.scheme.points, tau)
-        result: Array = np.einsum("kj,kjn->kn", basis, self.local()[interval])
-        return result
+        return np.asarray(np.einsum("kj,kjn->kn", basis, self.local()[interval]))
 
     def derivative(self) -> Array:
         """Derivatives at the points of every interval, from inside it: shape (N, m + 1, n)."""
         by_t = derivative_matrix(self.scheme.points) / np.diff(self.mesh)[:, None, None]
-        result: Array = by_t @ self.local()
-        return result
+        return np.asarray(by_t @ self.local())
 
     @property
     def weights(self) -> Array:
@@ -69,22 +67,18 @@ class PiecewisePolynomial:
         h = np.diff(self.mesh)[:, None, None]
         pieces = h * (integration_matrix(self.scheme.points)[1:] @ self.local())
         starts = np.concatenate((np.zeros((1, pieces.shape[2])), np.cumsum(pieces[:, -1], axis=0)))
-        inside = (starts[:-1, None] + pieces).reshape(-1, pieces.shape[2])
-        return np.concatenate((starts[:1], inside))
+        return np.concatenate((starts[:1], (starts[:-1, None] + pieces).reshape(-1, pieces.shape[2])))
 
 
 def all_points(mesh: Array, scheme: Scheme) -> Array:
     """The points of every interval in one row, shared ends once: shape (N*m + 1,)."""
-    inner = mesh[:-1, None] + np.diff(mesh)[:, None] * scheme.points[None, :-1]
-    return np.append(inner.ravel(), mesh[-1])
+    return np.append((mesh[:-1, None] + np.diff(mesh)[:, None] * scheme.points[None, :-1]).ravel(), mesh[-1])
 
 
 def local_values(values: Array, m: int) -> Array:
     """View values of shape (N*m + 1, n) interval by interval, shape (N, m + 1, n)."""
-    intervals = (len(values) - 1) // m
-    inner = values[:-1].reshape(intervals, m, -1)
-    ends = values[m::m].reshape(intervals, 1, -1)
-    return np.concatenate((inner, ends), axis=1)
+    inner = values[:-1].reshape((len(values) - 1) // m, m, -1)
+    return np.concatenate((inner, values[m::m, None]), axis=1)
 
 
 def extremes(polynomial: PiecewisePolynomial, component: int) -> tuple[float, float]:

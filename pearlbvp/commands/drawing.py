@@ -1,7 +1,12 @@
-"""The options of all commands that draw branches: what energies are drawn above, and shapes at their places."""
+"""What commands that draw have in common: whose settings they draw by, what energies are above, shapes at their places."""
 
 from __future__ import annotations
 
+import contextlib
+import importlib
+import logging
+import os
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -64,3 +69,19 @@ def branch_figure(branch: Branch[Any], units: Units, reference: Reference | None
 
         return draw_plane({"": branch}, along(branch), units=units, reference=reference, shapes=True)
     return draw_branch(branch, units=units, reference=reference)
+
+
+def draw_on_our_own_terms() -> None:
+    """Keep what a user's matplotlib is set to out of this process, before it is loaded: its ``backend`` need not even exist.
+
+    A notebook's backend comes with ``!pearlbvp``; a ``matplotlibrc`` may be broken, or ask for LaTeX that is not there.
+    """
+    if "matplotlib" in sys.modules:
+        return
+    os.environ |= {"MPLBACKEND": "agg", "MATPLOTLIBRC": os.devnull}
+    if not os.environ.get("SOURCE_DATE_EPOCH", "").isdigit():  # PDF and PostScript would end in a trace
+        os.environ["SOURCE_DATE_EPOCH"] = "0"  # the date in PostScript, which is otherwise another in every run
+    logging.getLogger("matplotlib").setLevel(logging.CRITICAL)  # of its folder for caches, which may be anywhere
+    if os.path.exists("matplotlibrc"):  # which beats all others
+        with contextlib.chdir(os.path.dirname(__file__)):
+            importlib.import_module("matplotlib")

@@ -196,7 +196,7 @@ def flow(
     end = cache(lambda: _end(result, save_end, units))  # which takes a while: after the table is written
 
     def write_tables(path: Path) -> None:
-        from pearlbvp.figures.flow import write_movie
+        from pearlbvp.figures.movie import write_movie
 
         write_movie(result.state, path, units=units)
 

@@ -45,18 +45,17 @@ def reproduce(figure: str | None, listed: bool, out: Path | None, endings: tuple
         print_table(listing())
         return DONE
     if figure is None or out is None:
-        missing = "figure" if figure is None else "out"
-        raise InputError(missing, "it is missing", "give FIGURE --out DIR, or --list to see which figures there are")
+        remedy = "give FIGURE --out DIR, or --list to see which figures there are"
+        raise InputError("figure" if figure is None else "out", "it is missing", remedy)
     wanted = names(figure)
     if point is not None and len(wanted) > 1:
         raise InputError("point", "it is a sample of one figure", "give that instead of all")
-    folder = _folder(out)
     from pearlbvp.progress import progress
 
+    folder, tables = _folder(out), []
     if point is not None:
         _write_sample(wanted[0], CATALOGUE[wanted[0]].compute(), point, folder, endings)
         return DONE
-    tables = []
     with progress("figure", total=len(wanted)) as bar:
         for name in wanted:
             tables.append(_write_sheet(name, CATALOGUE[name].compute(), folder, endings))
@@ -66,8 +65,7 @@ def reproduce(figure: str | None, listed: bool, out: Path | None, endings: tuple
     beside = pd.concat(tables, ignore_index=True)
     print_table(beside)
     if len(beside):
-        counts = beside["verdict"].value_counts()
-        said = ", ".join(f"{counts.get(verdict, 0)} {verdict}" for verdict in ("agrees", "erratum", "otherwise"))
+        said = ", ".join(f"{(beside['verdict'] == word).sum()} {word}" for word in ("agrees", "erratum", "otherwise"))
         say(f"{len(beside)} printed numbers: {said}; the files are in {folder}")
     return DONE
 

@@ -76,10 +76,6 @@ def _csv(path: Path, table: pd.DataFrame) -> None:
     table.to_csv(path, index=False, float_format=f"%.{DIGITS}g")
 
 
-def _parquet(path: Path, table: pd.DataFrame) -> None:
-    table.to_parquet(path, index=False)
-
-
 def _json(path: Path, table: pd.DataFrame) -> None:
     """A Table Schema and its rows; a number that is not defined is null."""
     from pandas.io.json import build_table_schema
@@ -100,7 +96,9 @@ def _plain(value: Any) -> Any:
     return value if value is None or isinstance(value, (bool, int)) else str(value)
 
 
-WRITERS: Mapping[str, Callable[[Path, pd.DataFrame], None]] = {".parquet": _parquet, ".json": _json}
+WRITERS: Mapping[str, Callable[[Path, pd.DataFrame], None]] = {
+    ".parquet": lambda path, table: table.to_parquet(path, index=False), ".json": _json
+}  # fmt: skip
 """By the ending; all others are CSV."""
 
 

@@ -1,11 +1,9 @@
-"""Pictures of a flow: energy, multipliers and velocity over time, shapes at both ends, and a movie."""
+"""Pictures of a flow: energy, multipliers and velocity over time, and shapes."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import cast
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,8 +16,6 @@ from pearlbvp.figures.canvas import (
     new_figure,
     note_unit,
     own_style,
-    pixels,
-    save_movie,
 )
 from pearlbvp.figures.surface import box_of, show_surface
 from pearlbvp.flows.record import FlowState, Frame
@@ -28,7 +24,8 @@ from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.units import RADII, Units
 
 
-def _surfaces(frames: list[Frame], along: int, around: int) -> list[Grid | PeriodicMesh]:
+def surfaces_of(frames: list[Frame], along: int, around: int) -> list[Grid | PeriodicMesh]:
+    """What is drawn of shapes, on so many points where they have no triangles of their own."""
     return [frame.problem.surface(frame.q, along, around) for frame in frames]
 
 
@@ -62,7 +59,7 @@ def draw_flow(state: FlowState, table: pd.DataFrame, title: str = "", units: Uni
     left, bottom, width, height = axes[1, 1].get_position().bounds
     left, bottom, width, height = left - 0.06, bottom - 0.04, width + 0.07, height + 0.04  # no axes need room there
     ends = [state.record.frames[0], state.record.frames[-1]]
-    surfaces = _surfaces(ends, 161, 81)
+    surfaces = surfaces_of(ends, 161, 81)
     for row, (frame, surface) in enumerate(zip(ends, surfaces, strict=True)):
         below = bottom + (1 - row) * height / 2
         show_surface(figure.add_axes((left, below, width, 0.43 * height)), surface, box_of(surfaces))
@@ -85,7 +82,7 @@ def draw_shape(frame: Frame, axes: Axes | None = None, units: Units = RADII) -> 
         axes: where to draw, in a figure of their own by default.
         units: of the time.
     """
-    (surface,) = _surfaces([frame], 121, 37)
+    (surface,) = surfaces_of([frame], 121, 37)
     wide, tall = box_of([surface])
     if axes is None:
         height = WIDTH * tall / wide + TITLE
@@ -93,36 +90,3 @@ def draw_shape(frame: Frame, axes: Axes | None = None, units: Units = RADII) -> 
     show_surface(axes, surface, (wide, tall))
     axes.set_title(f"t = {units.of_flow(frame.problem.law).to_user('t', frame.t):.4g}", fontsize="small")
     return cast("Figure", axes.figure)
-
-
-@own_style()
-def write_movie(state: FlowState, path: Path, count: int = 30, rate: int = 10, units: Units = RADII) -> None:
-    """The shapes on the way as a GIF; equal steps of energy and of the number of time steps share the frames.
-
-    Times are written on them in the user's unit.
-    """
-    units = units.of_flow(state.problem.law)
-    frames = state.record.frames
-    chosen = [frames[i] for i in _evenly(state, min(count, len(frames)))]
-    figure = new_blank(6.0, 3.2, dpi=90)
-    axes = figure.add_axes((0.02, 0.02, 0.96, 0.86))
-    surfaces = _surfaces(chosen, 81, 49)
-    seen = box_of(surfaces)
-    images = []
-    for frame, surface in zip(chosen, surfaces, strict=True):
-        show_surface(axes, surface, seen)
-        axes.set_title(f"t = {units.to_user('t', frame.t):.4g}", fontsize="small")
-        images.append(pixels(figure))
-    save_movie(images, path, rate)
-
-
-def _evenly(state: FlowState, count: int) -> list[int]:
-    """Indices of frames, half of the progress counted by energy, half by steps."""
-    rows = state.record.rows
-    times = np.array([frame.t for frame in state.record.frames])
-    energy = np.interp(times, rows["t"], rows["E"])
-    fall = energy[0] - energy
-    progress = fall / max(fall.max(), 1e-300) + np.linspace(0, 1, len(times))
-    progress = np.maximum.accumulate(progress)
-    wanted = np.linspace(progress[0], progress[-1], count)
-    return [int(i) for i in np.unique(np.searchsorted(progress, wanted).clip(0, len(times) - 1))]

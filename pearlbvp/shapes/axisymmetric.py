@@ -41,8 +41,7 @@ def rhs(t, y, p):  # type: ignore[no-untyped-def]
 def rhs_jacobian(t, y, p):  # type: ignore[no-untyped-def]
     """Its derivatives by states (K, 4, 4) and parameters (K, 4, 6)."""
     length, lambda1, lambda2, c0 = p[0], p[1], p[2], p[3]
-    by_y = np.zeros((y.shape[0], 4, 4))
-    by_p = np.zeros((y.shape[0], 4, 6))
+    by_y, by_p = np.zeros((y.shape[0], 4, 4)), np.zeros((y.shape[0], 4, 6))
     for i in range(y.shape[0]):
         r, psi, h, w = y[i, 0], y[i, 1], y[i, 2], y[i, 3]
         sine, around, b = np.sin(psi), np.cos(psi) / r, np.sin(psi) / r
@@ -84,34 +83,26 @@ def constraints(t, y, p):  # type: ignore[no-untyped-def]
 @compiled
 def constraints_jacobian(t, y, p):  # type: ignore[no-untyped-def]
     """Their derivatives by states (K, 3, 4) and parameters (K, 3, 6)."""
-    by_y = np.zeros((y.shape[0], 3, 4))
-    by_p = np.zeros((y.shape[0], 3, 6))
+    by_y, by_p = np.zeros((y.shape[0], 3, 4)), np.zeros((y.shape[0], 3, 6))
     for i in range(y.shape[0]):
         r, sine, cosine = y[i, 0], np.sin(y[i, 1]), np.cos(y[i, 1])
         by_y[i, 0, 1] = -p[0] * sine
         by_y[i, 1, 0] = p[0]
         by_y[i, 2, 0] = 2 * p[0] * r * cosine
         by_y[i, 2, 1] = -p[0] * r**2 * sine
-        by_p[i, 0, 0] = cosine
-        by_p[i, 1, 0] = r
-        by_p[i, 2, 0] = r**2 * cosine
-        by_p[i, 0, 4] = -1.0
-        by_p[i, 1, 4] = -1.0
-        by_p[i, 2, 4] = -p[5]
-        by_p[i, 2, 5] = -p[4]
+        by_p[i, 0, 0], by_p[i, 1, 0], by_p[i, 2, 0] = cosine, r, r**2 * cosine
+        by_p[i, 0, 4], by_p[i, 1, 4], by_p[i, 2, 4], by_p[i, 2, 5] = -1.0, -1.0, -p[5], -p[4]
     return by_y, by_p
 
 
 def energy_density(y: Array, p: Array) -> Array:
     """Integrand of ``E/A`` over ``sigma``, shape (K,)."""
-    density: Array = p[0] * y[:, 0] * (y[:, 2] - p[3]) ** 2 / p[4]
-    return density
+    return np.asarray(p[0] * y[:, 0] * (y[:, 2] - p[3]) ** 2 / p[4])
 
 
 def curvature_density(y: Array, p: Array) -> Array:
     """Integrand of the mean of ``H`` over the surface, shape (K,)."""
-    density: Array = p[0] * y[:, 0] * y[:, 2] / p[4]
-    return density
+    return np.asarray(p[0] * y[:, 0] * y[:, 2] / p[4])
 
 
 def axial_force(y: Array, p: Array) -> Array:
@@ -122,7 +113,5 @@ def axial_force(y: Array, p: Array) -> Array:
     Seifert, K. Berndl, R. Lipowsky, Phys. Rev. A 44 (1991) 1182, §III.)
     """
     r, psi, h, w = y.T
-    bend = h - p[3]
-    slope = np.cos(psi) / r - 2 * h
-    force: Array = r * np.cos(psi) * (bend**2 + p[1] + slope * bend) - r * w * np.sin(psi) + p[2] * r**2 / 2
-    return force
+    bend, slope = h - p[3], np.cos(psi) / r - 2 * h
+    return np.asarray(r * np.cos(psi) * (bend**2 + p[1] + slope * bend) - r * w * np.sin(psi) + p[2] * r**2 / 2)

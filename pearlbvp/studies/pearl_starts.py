@@ -13,14 +13,13 @@ import numpy as np
 from pearlbvp.continuation.following import continue_branch
 from pearlbvp.continuation.path import PathEnd, correct_at
 from pearlbvp.continuation.solution import Solution
-from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import SpectrumError
 from pearlbvp.helfrich import Tube
 from pearlbvp.newton import NewtonOptions
 from pearlbvp.shapes.outline import Outline, downhill
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.branch import branch_options, family_branch
-from pearlbvp.studies.starts import Start, at_rest
+from pearlbvp.studies.starts import Start, at_rest, computed
 from pearlbvp.studies.stretches import NEAR
 from pearlbvp.studies.unduloids import beside
 from pearlbvp.theory.unduloid import unduloid_of
@@ -34,11 +33,8 @@ SHORT, LONG = 0.5, 1e3
 FAR = 1e3
 """Tension, by the square of the wave number, beyond which a branch has come to an unduloid."""
 
-BELOW = 0.1
-"""By how much the smallest volume of random shapes lies below those of the straight tube and the unduloid."""
-
-NEARER = 0.03
-"""By how much that of smooth pearls does."""
+BELOW, NEARER = 0.1, 0.03
+"""By how much the smallest volumes of random shapes and of smooth pearls lie below those of straight tube and unduloid."""
 
 SMOOTH = np.array([0.5, -0.05])
 """Cosines of a pearl's radius to go downhill from."""
@@ -60,10 +56,8 @@ def thin_necked(c0: float, period: float) -> Iterator[Solution[PearlProblem]]:
             return
         u = result.u
     problem, (u,) = problem.plain(u)
-    upwards = np.zeros_like(u)
-    upwards[-1] = 1.0
     with suppress(SpectrumError, np.linalg.LinAlgError):
-        shape = Solution.along(problem, u, tangent_along(problem, u, upwards)).computed()
+        shape = computed(problem, u)
         if not shape.spectrum.n_unstable:
             yield shape
 

@@ -60,8 +60,7 @@ def areas(z):  # type: ignore[no-untyped-def]
 def gradients(z, c0):  # type: ignore[no-untyped-def]
     """Density of the energy, shape (K,), and its gradient in the fields, shape (10, K), for fields (10, K)."""
     count = z.shape[1]
-    values, slopes = np.empty(count), np.empty((10, count))
-    first = np.empty((9, 10))
+    values, slopes, first = np.empty(count), np.empty((10, count)), np.empty((9, 10))
     for k in range(count):
         m, g = _invariants(z[:, k], first)[:2]
         root = np.sqrt(g)
@@ -77,8 +76,7 @@ def gradients(z, c0):  # type: ignore[no-untyped-def]
 def hessians(z, c0, lambda1):  # type: ignore[no-untyped-def]
     """Second derivatives of energy plus ``lambda1`` times area in the fields, shape (K, 10, 10), for fields (10, K)."""
     count = z.shape[1]
-    result = np.zeros((count, 10, 10))
-    first = np.empty((9, 10))
+    result, first = np.zeros((count, 10, 10)), np.empty((9, 10))
     for k in range(count):
         m, g, g11, g12, g22, c, h11, h12, h22 = _invariants(z[:, k], first)
         root = np.sqrt(g)
