@@ -158,7 +158,7 @@ def plot_shapes(points: Iterable[solutions.Solution[Any]], titles: Iterable[str]
         >>> tube = pb.Tube(c0=0, L=10)
         >>> picture = pb.plot_shapes([pb.branch(tube, family, until={"v": 0.98})[-1] for family in ("coil", "buckle")])
         >>> [text.get_text() for text in picture.texts]
-        ['v = 0.9800, 0 unstable', 'v = 0.9800, 1 unstable']
+        ['v = 0.9800, stable', 'v = 0.9800, 1 unstable']
     """
     from pearlbvp.figures.surface import draw_surfaces
     from pearlbvp.studies.branch import known_points

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pearlbvp.arrays import Array
-from pearlbvp.branches import Branch, Solution, Until, check_names, followed_by
+from pearlbvp.branches import Branch, Until, check_names, followed_by
 from pearlbvp.continuation import solution as solutions
 from pearlbvp.errors import InputError
 from pearlbvp.files import check_ending, named, writable, write_whole
@@ -25,6 +25,7 @@ from pearlbvp.flows.record import FlowResult, FlowState, Frame
 from pearlbvp.helfrich import Tube, finite, positive, whole
 from pearlbvp.messages import say
 from pearlbvp.progress import SECONDS, progress
+from pearlbvp.solutions import Solution
 from pearlbvp.studies.flow_start import Perturbation, end_start, known_points, refuse_idle, solution_start
 from pearlbvp.units import RADII, Units
 

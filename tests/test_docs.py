@@ -163,10 +163,6 @@ def test_every_notebook_is_a_chapter():
     assert names == set(re.findall(r"\(\.\./notebooks/(\w+)\.ipynb\)", (ROOT / "docs/index.md").read_text()))
 
 
-INNER = {"flows"}
-"""Notebooks that still import rooms of the package."""
-
-
 @pytest.mark.parametrize("path", sorted((ROOT / "notebooks").glob("*.ipynb")), ids=lambda path: path.stem)
 def test_a_notebook_needs_the_public_names_alone(path):
     import pearlbvp as pb
@@ -178,7 +174,7 @@ def test_a_notebook_needs_the_public_names_alone(path):
     rooms |= {node.module for node in nodes if isinstance(node, ast.ImportFrom)}
     names = {node.attr for node in nodes if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "pb"}
     assert names <= set(dir(pb))
-    assert {room for room in rooms if room.startswith("pearlbvp.")} == set() or path.stem in INNER
+    assert {room for room in rooms if room.startswith("pearlbvp.")} == set()
 
 
 def test_the_readme_is_short():

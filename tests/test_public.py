@@ -60,7 +60,7 @@ def test_a_shape_on_a_mesh_is_drawn_with_its_triangles(on_mesh, coils):
     picture = on_mesh.plot()
     drawn = picture.axes[0].collections[0]
     assert len(drawn.get_paths()) == len(on_mesh.surface().triangles)
-    assert picture.texts[0].get_text() == "v = 0.9700, 0 unstable"
+    assert picture.texts[0].get_text() == "v = 0.9700, stable"
     assert [text.get_text() for text in coils[-1].plot("a coil").texts] == ["a coil"]
 
 

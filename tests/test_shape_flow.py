@@ -185,7 +185,7 @@ X = np.linspace(0, L, 33)
         (lambda point: pb.flow(point, symmetric=False, size="8,8"), "^size: '8,8' must be two whole numbers, waves along"),
         (lambda point: pb.flow(point, xi=2), "^xi: it is for bumps; leave it out$"),
         (lambda point: pb.flow(point, perturb="none", delta=0.1), "^delta: nothing is perturbed; leave it out$"),
-        (lambda point: pb.flow(point, perturb="kick"), "^perturb: 'kick' is none of none, bump, critical$"),
+        (lambda point: pb.flow(point, perturb="kick"), "^perturb: 'kick' is unknown; choose one of none, bump, critical$"),
         (lambda point: pb.flow(point, law="drag"), "^law: 'drag' is unknown"),
         (lambda point: pb.flow(point, points=9), "^points: 9 is no even number from 8 to"),
         (lambda point: pb.flow(point, points="9"), "^points: '9' must be a whole number"),

@@ -18,7 +18,7 @@ from pearlbvp.flows.problem import FlowProblem, Law
 from pearlbvp.flows.record import Equilibrium, FlowResult
 from pearlbvp.flows.steady import polished
 from pearlbvp.flows.tube import TubeFlow
-from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, finite, mode_numbers, whole
+from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, choice, finite, mode_numbers, whole
 from pearlbvp.representation import brief
 from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.branch import known_point
@@ -98,8 +98,7 @@ class FlowStart:
         Raises:
             InputError: an argument that cannot be used or says nothing, or the surface closes.
         """
-        if kind not in get_args(Perturbation):
-            raise InputError("perturb", f"{kind!r} is none of {', '.join(get_args(Perturbation))}")
+        choice("perturb", kind, get_args(Perturbation))
         for name, value in {"delta": delta, "keep": keep or None, "xi": xi, "centre": centre}.items():
             given, of_bumps = value is not None, name in ("xi", "centre")
             refuse_idle(
