@@ -71,12 +71,10 @@ def growth(
     c0, lambda1, lambda2 = known_tension(c0, tension)
     tube = None if length is None else Tube(c0, length)
     along = _wave_numbers(tube, wave_numbers, max_m, shortest_wave(lambda2, c0))
-    around = range(whole("max_n", max_n, 0) + 1)
-    if along.size * len(around) > MOST_ROWS:
-        raise InputError(
-            "max_n", f"{along.size * len(around)} waves are too many to list", "give a smaller max_n or max_m"
-        )
-    waves = {n: along[along > 0] if n < 2 else along for n in around}  # others are no waves
+    around = whole("max_n", max_n, 0) + 1
+    if along.size * around > MOST_ROWS:
+        raise InputError("max_n", f"{along.size * around} waves are too many to list", "give a smaller max_n or max_m")
+    waves = {n: along[along > 0] if n < 2 else along for n in range(around)}  # others are no waves
     fastest = _fastest(lambda2, c0, fluids, tube)
     if fastest is not None:
         k, n = fastest

@@ -52,7 +52,13 @@ def lobes(n: int) -> int:
     """
     if finite("mode", n) != int(n) or n < 2:
         raise InputError("mode", f"rings have a whole number of lobes from 2 on, not {n}", "give 0,2 for instance")
+    if n > MOST_LOBES:
+        raise InputError("mode", f"rings of {int(n)} lobes are too fine to be computed", f"give {MOST_LOBES} at most")
     return int(n)
+
+
+MOST_LOBES = 10_000
+"""Lobes of a ring, up to which its waves are counted in seconds."""
 
 
 @dataclass(frozen=True)

@@ -104,6 +104,7 @@ def test_columns_without_units(capsys):
         ([*TUBE, "--viscosity", "1mPa"], "--viscosity: 1mPa is a pressure; give a viscosity, like 1mPa.s"),
         ([*TUBE, "--viscosity=-1mPa.s"], "--viscosity: -1mPa.s is not above 0; give one like 1mPa.s"),
         ([*TUBE, "--viscosity-ratio", "0"], "--viscosity-ratio: 0.0 must be positive"),
+        ([*TUBE, "--max-n", "99999999999999999999"], "--max-n: "),
         ([*TUBE, "--viscosity-ratio", "1e300"], "--viscosity-ratio: 1e+300 is beyond 1e+12"),
         ([*TUBE, "--membrane-viscosity", "1e300"], "e+300 is beyond 1e+12 by"),
         ([*TUBE, "--viscosity", "1mPa.s", "--membrane-viscosity", "1Pa"], "--membrane-viscosity: 1Pa is a pressure"),

@@ -51,6 +51,7 @@ def test_every_public_name_is_there():
         (lambda: pb.theory.Resonance(pb.Tube(0.4, 17), "1"), "^m: '1' must be a whole number"),
         (lambda: pb.theory.WrinklesAndCoils(10), "^tube: int must be a tube"),
         (lambda: pb.theory.touching_ring(1), "^mode: rings have a whole number of lobes"),
+        (lambda: pb.theory.touching_ring(10**9), "^mode: rings of 1000000000 lobes are too fine"),
         (lambda: pb.theory.ring_at(2, "v", "a"), "^v: 'a' is not a number"),
         (lambda: pb.theory.ring_at(2, "E", 1), "^name: rings are not found by 'E'"),
         (lambda: pb.theory.unduloid_of(-1), "^period: -1 must be positive"),
