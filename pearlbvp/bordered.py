@@ -178,6 +178,10 @@ class Kept:
 
     _last: Bordered | None = None
 
+    def __getstate__(self) -> dict[str, object]:
+        """Nothing: another process makes factors of its own."""
+        return {}
+
     def solve(
         self, matrix: sparse.csc_matrix, pins: Integers, borders: tuple[Array, Array, Array], f: Array, g: Array
     ) -> Array:

@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import pickle
 
 import numpy as np
 import pytest
@@ -120,3 +121,15 @@ def test_mistakes_are_one_line(mesh, coil, said, tmp_path, monkeypatch):
     with pytest.raises(pb.InputError, match=f"^{said}") as refused:
         MISTAKES[said](mesh, coil)
     assert "\n" not in str(refused.value)
+
+
+def test_a_branch_on_triangles_goes_to_another_process_and_back(coil):
+    """Factors of matrices that solutions keep do not, so that what is computed there is what is computed here."""
+    point = coil.meshed(300)
+    branch = pb.Branch.through(point).resume(until={"v": point.observables["v"] - 0.01})
+    there = pickle.loads(pickle.dumps(branch))
+    assert there[-1].observables == branch[-1].observables
+    solved = [
+        each[-1].problem.solve(each[-1].u, np.eye(len(each[-1].u))[-1], each[-1].tangent) for each in (branch, there)
+    ]
+    np.testing.assert_allclose(*solved, atol=1e-12)

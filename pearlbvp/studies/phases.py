@@ -182,7 +182,7 @@ def phases(
     ended = {name: branch for name, branch in found.branches.items() if f"{name} {MESH}" not in found.branches}
     unfinished = {name: branch for name, branch in ended.items() if _ends_within(branch, low, high)}
     said = {name: branch.reason for name, branch in unfinished.items()}
-    table, solutions = at_volumes(tube, wanted, stretches, found.branches, unfinished, lacking)
+    table, solutions = at_volumes(tube, wanted, stretches, found.branches, unfinished, lacking, processes)
     parts, stopped = list[Part](), Interruption()
     with stopped:
         parts = least_parts(stretches, wanted[0], wanted[-1], lambda what: said.update({what.partition(",")[0]: what}))

@@ -15,6 +15,7 @@ from pearlbvp.continuation.solution import Solution
 from pearlbvp.errors import Interruption
 from pearlbvp.helfrich import SMALLEST_AMPLITUDE, Tube, cylinder_energy
 from pearlbvp.studies.diagram import MESH
+from pearlbvp.studies.parallel import in_processes
 from pearlbvp.studies.stretches import SAME_VOLUME, Piece, is_same
 from pearlbvp.studies.transitions import STRAIGHT
 from pearlbvp.theory.dispersion import stable_interval
@@ -73,7 +74,7 @@ def _on_meshes(branches: Mapping[str, Branch[Any]]) -> dict[str, _OnMesh]:
 
 def at_volumes(
     tube: Tube, volumes: Sequence[float], stretches: Sequence[Piece], branches: Mapping[str, Branch[Any]],
-    unfinished: Mapping[str, Branch[Any]], lacking: list[str],
+    unfinished: Mapping[str, Branch[Any]], lacking: list[str], processes: int = 1,
 ) -> tuple[pd.DataFrame, dict[tuple[float, str], Solution[Any]]]:  # fmt: skip
     """A row for each stable shape at each volume, or one that says that none was found, and the shapes.
 
@@ -84,17 +85,19 @@ def at_volumes(
         branches: all of them, by name.
         unfinished: those that end within the range.
         lacking: what an interruption left out so far, which each row says; to that is added what of the table is lacking.
+        processes: how many to work in; 0 for one a core.
     """
     meshes = _on_meshes(branches)
     tables: list[list[dict[str, Any]]] = []
     solutions: dict[tuple[float, str], Solution[Any]] = {}
     before, stopped = [interrupted(lacking)] * bool(lacking), Interruption()
+    cases = [(v, [piece for piece in stretches if _is_within(v, piece)]) for v in volumes]
     with stopped:
-        for v in volumes:
+        computed = in_processes(_stable_at, cases, processes or None, FEWEST, batch=2)
+        for v, (found, failed) in zip(volumes, computed, strict=True):
             said = [
                 f"{name} was not followed to here" for name, branch in unfinished.items() if _misses(tube, branch, v)
             ]
-            found, failed = _stable_at(v, stretches)
             here = [_row(name, shape, meshes.get(name)) for name, shape in found.items()]
             said += [meshes[name].says for name in found if name in meshes]
             if abs(v - 1) <= SAME_VOLUME and stable_interval(tube).exists:
@@ -109,13 +112,23 @@ def at_volumes(
     return pd.DataFrame([row for rows in tables for row in rows], columns=COLUMNS), solutions
 
 
-def _stable_at(v: float, stretches: Sequence[Piece]) -> tuple[dict[str, Solution[Any]], list[str]]:
-    """The stable shapes of a volume by name, each once, and what could not be computed; the straight tube is none of them."""
+FEWEST = 8
+"""Volumes from which on several processes are of use."""
+
+
+def _is_within(v: float, piece: Piece) -> bool:
+    return piece.low - SAME_VOLUME <= v <= piece.high + SAME_VOLUME
+
+
+def _stable_at(case: tuple[float, Sequence[Piece]]) -> tuple[dict[str, Solution[Any]], list[str]]:
+    """The stable shapes of a volume on some pieces by name, each once, and what could not be computed.
+
+    The straight tube is none of them.
+    """
+    v, stretches = case
     found: dict[str, Solution[Any]] = {}
     failed = []
     for piece in stretches:
-        if not piece.low - SAME_VOLUME <= v <= piece.high + SAME_VOLUME:
-            continue
         try:
             shape = piece.at(v)
         except PathEnd as error:
