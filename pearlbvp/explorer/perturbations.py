@@ -19,6 +19,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.constrained import independent_directions
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.explorer.shapes import Shared, mode_numbers, packed, steps
+from pearlbvp.membrane import MembraneProblem
 from pearlbvp.mesh.operators import vertex_normals
 from pearlbvp.mesh.problem import MeshProblem
 from pearlbvp.shapes.pearl import PearlProblem
@@ -44,7 +45,7 @@ class Wave:
 
 
 @singledispatch
-def critical(problem: Any, u: Array, spectrum: Spectrum, shared: Shared) -> Wave | None:
+def critical(problem: MembraneProblem, u: Array, spectrum: Spectrum, shared: Shared) -> Wave | None:
     """The critical perturbation; None of families that do not tell it.
 
     Args:

@@ -10,13 +10,15 @@ import base64
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from pearlbvp.arrays import Array
 from pearlbvp.flows.axisymmetric import GraphFlow
+from pearlbvp.flows.problem import FlowProblem
 from pearlbvp.flows.tube import TubeFlow
+from pearlbvp.membrane import Grid, MembraneProblem
 from pearlbvp.mesh.operators import gaussian_curvature, mean_curvature
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.tube.modes import Mode
@@ -34,7 +36,7 @@ def packed(values: Array) -> str:
     return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode()
 
 
-def steps(problem: Any, u: Array) -> int:
+def steps(problem: MembraneProblem, u: Array) -> int:
     """Of a period of an axisymmetric shape, or around a section."""
     if problem.drawn == "section":
         return FEWEST
@@ -61,7 +63,7 @@ class Shared:
         return self._places[key]
 
 
-def shape_of(problem: Any, u: Array, shared: Shared) -> dict[str, Any]:
+def shape_of(problem: MembraneProblem, u: Array, shared: Shared) -> dict[str, Any]:
     """A solution's shape.
 
     Args:
@@ -81,7 +83,7 @@ def shape_of(problem: Any, u: Array, shared: Shared) -> dict[str, Any]:
         shape = {name: packed(values) for name, values in columns.items()}
         periods = (len(columns["H"]) - 1) // samples if problem.drawn == "outline" else 1
         return {"kind": problem.drawn, "length": length, "periods": periods, **shape}
-    x, y, z = problem.to_draw(u)
+    x, y, z = cast(Grid, problem.to_draw(u))
     return {
         "kind": "grid",
         "length": float(x[-1, 0] - x[0, 0]),
@@ -90,14 +92,13 @@ def shape_of(problem: Any, u: Array, shared: Shared) -> dict[str, Any]:
     }
 
 
-def frame_of(problem: Any, q: Array, shared: Shared) -> dict[str, Any]:
+def frame_of(problem: FlowProblem, q: Array, shared: Shared) -> dict[str, Any]:
     """A shape on the way of a flow; axisymmetric graphs are sums of waves, too."""
     if isinstance(problem, GraphFlow):
         return _of_modes(_waves_of(problem, q), problem.length, 0, shared)
     if isinstance(problem, TubeFlow):
         return _of_modes(problem.known(q), problem.length, 0, shared)
-    surface: PeriodicMesh = problem.surface(q)
-    return _of_mesh(surface, shared)
+    return _of_mesh(cast(PeriodicMesh, problem.surface(q)), shared)
 
 
 MOST_WAVES = 96

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch, Status
 from pearlbvp.continuation.following import BranchOptions, continue_branch
 from pearlbvp.continuation.path import PathEnd
+from pearlbvp.continuation.problem import P
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError
@@ -77,7 +77,7 @@ def shape_branch(
     return both_ways(problem, u, options, options)
 
 
-def both_ways(problem: Any, u: Array, down: BranchOptions, up: BranchOptions) -> Branch[Any]:
+def both_ways(problem: P, u: Array, down: BranchOptions, up: BranchOptions) -> Branch[P]:
     """The branch through a solution, from smaller to larger volume there.
 
     Args:

@@ -14,8 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from pearlbvp.arrays import Array
 from pearlbvp.continuation.branch import Branch
 from pearlbvp.continuation.path import PathEnd
+from pearlbvp.continuation.problem import P
 from pearlbvp.continuation.solution import Solution
 from pearlbvp.continuation.switching import tangent_along
 from pearlbvp.errors import InputError, SpectrumError
@@ -23,8 +25,10 @@ from pearlbvp.flows.landscape import TubeLandscape
 from pearlbvp.flows.record import Equilibrium
 from pearlbvp.flows.tube import TubeFlow
 from pearlbvp.helfrich import Tube
+from pearlbvp.membrane import MembraneProblem
 from pearlbvp.minimum import Minimum, least
 from pearlbvp.shapes.outline import Outline, downhill
+from pearlbvp.shapes.pearl import PearlProblem
 from pearlbvp.studies.falls import are_one
 from pearlbvp.studies.flow_end import resolved, solution_of
 from pearlbvp.studies.flow_start import solution_start
@@ -97,12 +101,12 @@ def _minimum(found: Minimum) -> Minimum:
     return found
 
 
-def _outline(start: Start) -> tuple[Any, Any]:
+def _outline(start: Start) -> tuple[PearlProblem, Array]:
     outline = Outline.on(start.tube, start.v)
     return resolved(*downhill(outline, outline.random(np.random.default_rng(start.seed))))
 
 
-def _tube(start: Start) -> tuple[Any, Any]:
+def _tube(start: Start) -> tuple[MembraneProblem, Array]:
     tube = start.tube
     size = max(6, math.ceil(0.8 * tube.length)), 5
     landscape = TubeLandscape(TubeFlow(tube.c0, tube.length, size), start.v)
@@ -115,7 +119,7 @@ def _tube(start: Start) -> tuple[Any, Any]:
         return _of_modes(finer, _minimum(least(finer, q)))
 
 
-def computed(problem: Any, u: Any) -> Solution[Any]:
+def computed(problem: P, u: Array) -> Solution[P]:
     """A shape with its stability, along growing volume."""
     upwards = np.zeros_like(u)
     upwards[-1] = 1.0
@@ -150,7 +154,7 @@ ROUGH = 1e-6
 """Reduced gradient at which Newton's method takes over from a relaxation on more modes, whose last steps are costly."""
 
 
-def _of_modes(landscape: TubeLandscape, found: Minimum) -> tuple[Any, Any]:
+def _of_modes(landscape: TubeLandscape, found: Minimum) -> tuple[MembraneProblem, Array]:
     if landscape.flow.trouble(found.q) is not None:
         raise PathEnd("its sections across the axis no longer describe it")
     end = Equilibrium(landscape.flow, found.q, found.multipliers, True, np.array([0.0]))
