@@ -285,12 +285,14 @@ def _start(
     how = {"law": law, "points": points, "discretization": discretization}
     if shape is not None:
         from pearlbvp.helfrich import Tube
-        from pearlbvp.studies.flow_shape import read_profile, read_surface, shape_start
+        from pearlbvp.studies.flow_shape import read_profile, shape_start
         from pearlbvp.studies.flow_start import known_points
 
         given = Tube(c0, length)  # type: ignore[arg-type]
         if profile is None:
-            surface, said = read_surface(shape, given, units, "--mesh")
+            from pearlbvp.mesh.files import read_surface
+
+            surface, said = read_surface(shape, given.length, units, "--mesh")
             found: Any = surface
         else:
             found = read_profile("profile", shape, given.length, known_points(points), units)

@@ -74,28 +74,6 @@ def shape_start(
     return surface_start(tube.c0, shape, kind=discretization or "subdivision", law=law, pressure=pressure)
 
 
-def read_surface(
-    path: str | os.PathLike[str], tube: Tube, units: Units = RADII, name: str = "shape"
-) -> tuple[PeriodicMesh, str]:
-    """A triangulated tube in a file, in radii, and what was repaired or smoothed in words.
-
-    Args:
-        path: of one period, in the user's unit: see ``mesh.files``.
-        tube: whose period it has.
-        units: of the user.
-        name: the argument's name, for the message.
-
-    Raises:
-        InputError: it cannot be read, or is no tube of that period, or its radius is not about that of the tube.
-    """
-    from pearlbvp.mesh.files import check_radius, read_smooth_tube
-
-    found, said = read_smooth_tube(path, units.to_user("length", tube.length), name)
-    surface = units.surface_from_user(found)
-    check_radius(surface)
-    return surface, said
-
-
 def known_shape(
     shape: Given, tube: Tube, units: Units = RADII, points: int = POINTS
 ) -> tuple[Rows | PeriodicMesh, str]:
@@ -112,10 +90,10 @@ def known_shape(
     """
     known_tube(tube)
     if isinstance(shape, (str, os.PathLike)):
-        from pearlbvp.mesh.files import READERS
+        from pearlbvp.mesh.files import READERS, read_surface
 
         if named("shape", shape).suffix.lower() in READERS:
-            return read_surface(shape, tube, units)
+            return read_surface(shape, tube.length, units, "shape")
         rows = read_profile("shape", shape, tube.length, points, units)
         return rows, f"{Path(shape).name}: {units.said(rows.said)}" if rows.said else ""
     if isinstance(shape, PeriodicMesh):
