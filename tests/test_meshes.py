@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import pearlbvp as pb
+from pearlbvp.continuation.branch import Status
+from pearlbvp.mesh import periodic
 
 meshes = pb.meshes
 
@@ -125,11 +127,19 @@ def test_mistakes_are_one_line(mesh, coil, said, tmp_path, monkeypatch):
 
 def test_a_branch_on_triangles_goes_to_another_process_and_back(coil):
     """Factors of matrices that solutions keep do not, so that what is computed there is what is computed here."""
-    point = coil.meshed(300)
-    branch = pb.Branch.through(point).resume(until={"v": point.observables["v"] - 0.01})
+    branch = pb.Branch.through(coil.meshed(300), {"v": 0.985}, down=True)
     there = pickle.loads(pickle.dumps(branch))
     assert there[-1].observables == branch[-1].observables
     solved = [
         each[-1].problem.solve(each[-1].u, np.eye(len(each[-1].u))[-1], each[-1].tangent) for each in (branch, there)
     ]
     np.testing.assert_allclose(*solved, atol=1e-12)
+
+
+def test_a_branch_whose_triangles_become_slivers_says_so_and_is_kept(coil, monkeypatch):
+    point = coil.meshed(300)
+    monkeypatch.setattr(periodic, "WORST", 1.1 * point.problem.surface(point.u).quality.max())
+    branch = pb.Branch.through(point, {"v": 0.9}, down=True)
+    assert branch.status is Status.FAILED
+    assert "no longer describe the surface: triangle" in branch.reason
+    assert len(branch) > 1

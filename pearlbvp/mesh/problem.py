@@ -22,7 +22,7 @@ from scipy import sparse
 
 from pearlbvp.arrays import Array, Integers
 from pearlbvp.bordered import Kept
-from pearlbvp.continuation.path import correct_at
+from pearlbvp.continuation.path import PathEnd, correct_at
 from pearlbvp.continuation.spectrum import Spectrum
 from pearlbvp.errors import SpectrumError
 from pearlbvp.held import AREA_AND_VOLUME, Held, known_held
@@ -40,6 +40,7 @@ from pearlbvp.mesh.adaptation import (
 from pearlbvp.mesh.amplitudes import largest_wave
 from pearlbvp.mesh.crossing import crossing_triangles
 from pearlbvp.mesh.functional import Functional, Kind, Sums
+from pearlbvp.mesh.mesh_error import MeshError
 from pearlbvp.mesh.operators import barycentric_mass, vertex_normals
 from pearlbvp.mesh.periodic import PeriodicMesh
 from pearlbvp.mesh.samples import Samples
@@ -245,16 +246,17 @@ class MeshProblem(MembraneProblem):
     def remesh(self, u: Array, *others: Array) -> tuple[MeshProblem, list[Array]] | None:
         """The problem about the surface itself on an adapted mesh, where the reference no longer fits; else None."""
         count = self.mesh.count
-        found = self.renewed(u, [vector[:count, None] * self.directions for vector in others])
+        try:
+            found = self.renewed(u, [vector[:count, None] * self.directions for vector in others])
+        except MeshError as error:
+            raise PathEnd(f"the triangles no longer describe the surface: {error.what}; take more of them") from None
         if found is None:
             return None
         mesh, fields, options = found
-        functional = self.functional.on(mesh)
-        problem, moved = about(functional, self.c0, u[-3:], held=self.held, adapt=options)
-        vectors = [moved]
-        for vector, moves in zip(others, fields, strict=True):
-            along = np.einsum("ix,ix->i", moves, problem.directions)
-            vectors.append(np.concatenate((along, np.zeros(len(problem.phases)), vector[-3:])))
+        problem, moved = about(self.functional.on(mesh), self.c0, u[-3:], held=self.held, adapt=options)
+        rest = np.zeros(len(problem.phases))
+        along = [np.einsum("ix,ix->i", moves, problem.directions) for moves in fields]
+        vectors = [moved, *(np.concatenate((a, rest, b[-3:])) for a, b in zip(along, others, strict=True))]
         if self.orbits is not None:
             problem = problem.symmetric(*vectors)
         if not self._is_straight(u):  # there v does not tell one solution from the next: all straight tubes have v = 1
@@ -385,9 +387,8 @@ def about(functional: Functional, c0: float, parameters: Array, **others: Any) -
         parameters: ``lambda1, lambda2, v``.
         others: further attributes of the problem.
     """
-    count = functional.mesh.count
-    problem = MeshProblem(functional, np.zeros((0, count)), c0, **others)
-    return with_phases(problem, np.concatenate((np.zeros(count), parameters)))
+    problem = MeshProblem(functional, np.zeros((0, functional.mesh.count)), c0, **others)
+    return with_phases(problem, np.concatenate((np.zeros(functional.mesh.count), parameters)))
 
 
 def with_phases(problem: MeshProblem, u: Array, shape: Array | None = None) -> tuple[MeshProblem, Array]:
