@@ -288,9 +288,8 @@ def downhill(outline: Outline, q: Array, *, cells: int = 1, tolerance: float = 1
     if not found.reason and np.abs(found.q[-8:-2]).max() > TAIL:
         outline, q = outline.finer(found.q)
         found = least(outline, q)
-    if (
-        np.ptp(outline.radii(found.q)) < 2 * STRAIGHT
-    ):  # where length, area and volume are one, and no minimum is isolated
+    # At the straight tube length, area and volume have parallel gradients, so that the method need not end in a minimum.
+    if np.ptp(outline.radii(found.q)) < 2 * STRAIGHT:
         raise StraightEnd("it came to the straight tube")
     if found.reason:
         raise PathEnd(found.reason)

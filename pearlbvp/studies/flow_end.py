@@ -49,6 +49,9 @@ FEWEST_WAVES = 8
 
 MOST_REMESHES = 6
 
+MOST_SINES = 256
+"""Of an outline's angle from which Newton's method starts: their matrices grow with the square."""
+
 ROUNDING = 1e-11
 """Relative differences of areas that are rounding: constraints are kept to 1e-14 of each step."""
 
@@ -277,7 +280,7 @@ def _pearls(end: Equilibrium, cosines: Array, tolerance: float) -> tuple[PearlPr
     lambda1, lambda2, v = _parameters(found, similar)
     cosines = similar.from_user("r", cosines[::pearls])
     last = int(np.flatnonzero(np.abs(cosines) > NEGLIGIBLE).max())
-    outline = replace(Outline.on(tube, v), waves=max(32, 2 * last))
+    outline = replace(Outline.on(tube, v), waves=min(max(32, 2 * last), MOST_SINES))
     multipliers = np.array([0.0, lambda1, lambda2 / 2])
     problem, u, why = pearl_of_outline(outline, outline.of_radius(cosines[1:]), multipliers, tolerance=tolerance)
     if why:
